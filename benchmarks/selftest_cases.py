@@ -8,6 +8,7 @@ of ten.
 import csv
 import math
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, replace
 from itertools import pairwise
 from typing import Any
 
@@ -134,7 +135,7 @@ def critical(case: Case) -> float:
     low, high = 0.1, 4.0
     while high - low > 1e-12 * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if answered(case.with_scale(middle)).outcome == "OVERTURNS" else (middle, high)
+        low, high = (low, middle) if answered(replace(case, scale=middle)).outcome == "OVERTURNS" else (middle, high)
     return high
 
 
@@ -142,13 +143,13 @@ def row(name: str) -> dict[str, object]:
     """A case with its answer and the bound of an error."""
     case = Case(name, **(DEFAULT | CASES[name]))
     if case.kind == "near-critical":
-        case = case.with_scale(critical(case.with_scale(1.0)) * (1.0 + case.scale))
+        case = replace(case, scale=critical(replace(case, scale=1.0)) * (1.0 + case.scale))
     exact = answered(case)
     changed = [answered(case, ONE - PERTURBATION), answered(case, ONE, ONE + PERTURBATION)]
     assert {one.outcome for one in changed} == {exact.outcome}, name
     moved = 0.0 if exact.outcome == "OVERTURNS" else max(float(abs(one.peak - exact.peak)) for one in changed)
     bound = 10.0 ** math.ceil(math.log10(max(3.0 * moved, 1e-12)) - 1e-9)
-    return {**case.row(), "peak": text(exact.peak), "outcome": exact.outcome, "bound": f"{bound:.0e}"}
+    return {**asdict(case), "peak": text(exact.peak), "outcome": exact.outcome, "bound": f"{bound:.0e}"}
 
 
 def main() -> None:

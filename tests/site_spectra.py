@@ -1,5 +1,6 @@
 """A site from records with given overturning spectra."""
 
+from contextlib import nullcontext
 from functools import cache
 
 import numpy as np
@@ -8,9 +9,10 @@ import rockpulse as rp
 from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.models import Block
+from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.calibration import SiteCalibration
-from rockpulse.studies.site.site_records import facts_of_record
+from rockpulse.studies.site.spectrum_design import site_spectrum_record
 
 #: Slendernesses 10 and 4.5, and one that no spectrum stands for.
 BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "chest": Block(1.6, 3.6, restitution=0.8)}
@@ -26,9 +28,9 @@ def base_at(block):
 def done_with(strengths, events):
     """What the work on records of such strengths would find."""
     motion = rp.Record(np.sin(np.arange(0.0, 20.0, 0.1)), dt=0.1, id="motion", processed=True)
-    facts = facts_of_record(motion, 1.0, rp.Config())
+    facts = site_spectrum_record(Motion(motion), nullcontext, rp.Config())
     count = len(strengths)
-    found = {name: np.array([value] * count) for name, value in facts.items()}
+    found = {name: np.repeat(value, count, axis=0) for name, value in facts.items()}
     return found | {
         "record": np.array([f"record{place:02d}" for place in range(count)]),
         "event": np.array([f"Earthquake {event}" for event in events]),

@@ -1,8 +1,14 @@
 """Write records as files and zip archives, and summarise what was read."""
 
+import io
 import zipfile
+from contextlib import nullcontext
 
+import pytest
 from record_writers import at2, pulse
+
+from rockpulse.readers import read
+from rockpulse.record.record import Record
 
 ONE = at2(pulse())
 TWO = at2(pulse(peak=0.2))
@@ -17,8 +23,24 @@ def kinds(failures) -> list[tuple[str, str]]:
     return [(failure.file.rpartition("/")[2], failure.kind) for failure in failures]
 
 
-def make_zip(path, **members):
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+def got(content: bytes) -> list[Record]:
+    """The records of a file in memory."""
+    return read(io.BytesIO(content))
+
+
+def got_one(content: bytes) -> Record:
+    """The only record of a file in memory."""
+    (record,) = got(content)
+    return record
+
+
+def raises_if(faulty, error, match):
+    """``pytest.raises`` if something is faulty; else a block that must not raise."""
+    return pytest.raises(error, match=match) if faulty else nullcontext()
+
+
+def make_zip(path, packing=zipfile.ZIP_DEFLATED, /, **members):
+    with zipfile.ZipFile(path, "w", packing) as target:
         for name, content in members.items():
             target.writestr(name.replace("__", "/").replace("_dot_", "."), content)
     return path

@@ -34,8 +34,18 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.studies.check.code_spectra import damping_factor, displacement_of
 from rockpulse.studies.check.codes import circolare_2009, circolare_2019
 from rockpulse.studies.check.mechanism import senses_of
-from rockpulse.views.plots.picture import picture_bytes
-from rockpulse.views.plots.style import BLACK, BLUE, GREEN, PALE, RED, caption, panel_title, plain_ticks, several_axes
+from rockpulse.views.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    PALE,
+    RED,
+    caption,
+    panel_title,
+    picture_bytes,
+    plain_ticks,
+    several_axes,
+)
 
 #: Factors on each record at which cases are counted [-].
 LEVELS = (0.5, 1.0, 2.0)

@@ -15,8 +15,8 @@ from rocking.march.recorded import recorded_response
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.studies.check.check import check_records, rotations_of
 from rockpulse.studies.check.mechanism import senses_of
-from rockpulse.studies.check.records import check_records, rotations_of
 
 #: PGA to which every channel is scaled [g], numbers of records of random sets, and how many sets are drawn.
 DEMANDS, SETS, DRAWS = (0.2, 0.35, 0.5), (7, 3), 500

@@ -77,13 +77,13 @@ from .studies.check.codes import kinematic_check as kinematic_check
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
 from .studies.fragility.fragility import fragility as fragility
-from .studies.risk.free_bodies import free_body_fragility as free_body_fragility
 from .studies.risk.frequency import standing_test as standing_test
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
 from .studies.risk.hazard import SiteHazards as SiteHazards
 from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
+from .studies.risk.inventory import free_body_fragility as free_body_fragility
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.risk.risk import risk as risk
 from .studies.selection.selection import select as select

@@ -14,6 +14,8 @@ _ADVICE = {
     "units='g', dt=0.01); if only some files have this interval, set it for them in the configuration:\n{lines}",
     "confirm": "--confirm {options}, or confirm = [{quoted}] under [records]",
     "pair": "state which two files are a pair ([[records.pair]])",
+    "confirm_size": "set confirm_size = true in its [[block]]",
+    "confirm_value": "give a [[demand]] with confirm_value = true",
 }
 
 

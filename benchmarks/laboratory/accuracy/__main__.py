@@ -36,7 +36,7 @@ from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
 from rockpulse.selection.duplicate_selection import without_duplicates
-from rockpulse.views.plots.picture import picture_bytes
+from rockpulse.views.plots.style import picture_bytes
 
 #: Bias and dispersion of fewer survivors say nothing about an ensemble.
 FEWEST_SURVIVORS = 5

@@ -18,7 +18,7 @@ from laboratory.paper.figure5 import figure5
 from laboratory.paper.pictures import draw_figure4, draw_figure5
 from laboratory.tables import plain, write_tables
 from rocking.response import Outcome
-from rockpulse.views.plots.picture import picture_bytes
+from rockpulse.views.plots.style import picture_bytes
 
 #: From this factor on a table marks a peak that an input without end exceeds.
 MORE = 1.01

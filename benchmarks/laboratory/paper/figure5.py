@@ -30,7 +30,7 @@ from rocking.impulses.main_sequence import critical_impulse
 from rocking.impulses.sequence import sequence_response
 from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response
-from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
+from rockpulse.views.plots.model_histories import HalfCycle, motion_samples
 
 __all__ = ["figure5", "half_cycle_tables"]
 

@@ -2,15 +2,16 @@
 
 import math
 from functools import partial
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 from markupsafe import escape
-from nicegui import events, ui
+from nicegui import events, run, ui
 
 from rockpulse.app.fields import Fields, file_input, refused
 from rockpulse.app.project import body_error
-from rockpulse.app.window import Window
+from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
 from rockpulse.config.floor_settings import FloorSettings
@@ -19,10 +20,10 @@ from rockpulse.option import Section
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import error_words, say
+from rockpulse.views.shared.words import error_words, say, writing
 
 #: Keys in the row of a body, and in its panel of further keys.
-FIRST = ("name", "width", "height")
+ROW = ("name", "width", "height")
 MORE = ("one_sided", "friction", "restitution", "mass", "density", "length", "azimuth", "facing")
 #: Restraints and supports that a body can have, with the keys of one of them.
 PARTS: dict[str, tuple[type[Section], tuple[str, ...]]] = {
@@ -34,75 +35,57 @@ PARTS: dict[str, tuple[type[Section], tuple[str, ...]]] = {
 }
 #: Headings that are put before a pasted table without any.
 HEADINGS = "name,width [m],height [m]"
+#: Module that computes the uplift PGA; its import takes a second.
+SOLVERS = "rocking.search.capacity"
 
 
 class BodyRow:
     """The row of inputs of one body; its values are the keys of the body's [[block]] in the configuration."""
 
-    def __init__(self, page: Window, values: dict[str, Any]) -> None:
-        self.page, self.values = page, values
-        self.fields: list[tuple[str, Fields]] = []
-
-    def show(self, remove: Any) -> None:
-        """Build the row on the page."""
+    def __init__(self, part: "BodyPart", values: dict[str, Any]) -> None:
+        self.page, self.values = part.page, values
         with ui.element("div").classes("body-row").props('role="group"') as self.frame:
             self.drawing = ui.html("", sanitize=False).classes("side")
             with ui.element("div").classes("main"):
                 with ui.element("div").classes("keys"):
-                    self._fields("block", BlockSettings, self.values, FIRST)
-                    button = ui.button(icon="delete", on_click=remove).props("flat dense color=secondary")
-                    button.props(f'aria-label="{say("app.bodies.remove")}"')
+                    self.fields = [("block", Fields(BlockSettings, values, self._changed).add(*ROW))]
+                    self.page.bin(say("app.bodies.remove"), partial(part.remove, self))
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
-                self.confirm = ui.button(say("app.bodies.confirm"), on_click=self.page.handler(self._confirm))
-                self.confirm.props("outline no-caps dense")
-                self.panel = ui.expansion(say("app.bodies.more"), on_value_change=self.page.handler(self._open))
-                self.panel.props("dense")
+                self.confirm = self.page.button(say("app.bodies.confirm"), self._confirm).props("dense")
+                self.panel = Panel(self.page, say("app.bodies.more"), self._show_more)
         self.refresh()
 
-    def _open(self, event: events.ValueChangeEventArguments) -> None:
-        if event.value and len(self.fields) == 1:  # a panel for each of many bodies would make the page slow
-            with self.panel:
-                self._panel()
-            self.refresh()
-
-    def _panel(self) -> None:
+    def _show_more(self) -> None:
+        self.fields = self.fields[:1]
         with ui.element("div").classes("keys"):
-            self._fields("block", BlockSettings, self.values, MORE)
+            self._add_fields("block", BlockSettings, self.values, MORE)
         for part, (cls, names) in PARTS.items():
             for values in self.values.get(part, []):
                 with ui.element("div").classes("keys part"):
                     ui.label(say(f"app.part.{part}")).classes("name")
-                    self._fields(part, cls, values, names)
-                    click = self.page.handler(partial(self._drop, part, values))
-                    button = ui.button(icon="delete", on_click=click).props("flat dense color=secondary")
-                    button.props(f'aria-label="{say("app.bodies.remove_part")} {say(f"app.part.{part}")}"')
+                    self._add_fields(part, cls, values, names)
+                    remove = f"{say('app.bodies.remove_part')} {say(f'app.part.{part}')}"
+                    self.page.bin(remove, partial(self._drop, part, values))
         with ui.row():
             for part in PARTS:
-                label = f"+ {say(f'app.part.{part}')}"
-                ui.button(label, on_click=self.page.handler(partial(self._add, part))).props("outline dense no-caps")
+                self.page.button(f"+ {say(f'app.part.{part}')}", partial(self._add, part)).props("dense")
+        self.refresh()
 
-    def _fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
-        made = Fields(cls, values, self._changed)
-        made.add(*names)
-        self.fields.append((part, made))
+    def _add_fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
+        self.fields.append((part, Fields(cls, values, self._changed).add(*names)))
 
     def _add(self, part: str) -> None:
         self.values.setdefault(part, []).append({})
-        self._again()
+        self._show_again()
 
     def _drop(self, part: str, values: dict[str, Any]) -> None:
         self.values[part] = [one for one in self.values[part] if one is not values]
-        if not self.values[part]:
-            del self.values[part]
-        self._again()
+        self._show_again()
 
-    def _again(self) -> None:
-        self.panel.clear()
-        self.fields = self.fields[:1]
-        with self.panel:
-            self._panel()
-        self._changed()
+    def _show_again(self) -> None:
+        self.panel.renew()
+        self.page.changed()
 
     def _confirm(self) -> None:
         self.values["confirm_size"] = True
@@ -111,7 +94,7 @@ class BodyRow:
     def _changed(self) -> None:
         if self.size != (self.values.get("width"), self.values.get("height")):
             self.values.pop("confirm_size", None)  # it was given for another size
-        with self.page.words():
+        with writing(self.page.language):
             self.refresh()
         self.page.changed()
 
@@ -129,31 +112,27 @@ class BodyRow:
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
         self.confirm.visible = bool(fault and fault.remedies)
         if error:
-            self.numbers.text = say("app.bodies.incomplete") if empty else ""
-            self.drawing.content = ""
-            return
-        self.numbers.text, self.drawing.content = _facts(section_of(BlockSettings, self.values))
+            self.numbers.text, self.drawing.content = say("app.bodies.incomplete") if empty else "", ""
+        else:
+            self.numbers.text, self.drawing.content = _facts(section_of(BlockSettings, self.values))
 
 
 def _facts(body: BlockSettings) -> tuple[str, str]:
     """Return uplift PGA, p and alpha_c of a body as one text, and its drawing as SVG."""
     from rocking.body.outline import Outline
-    from rocking.search.capacity import uplift_scale
 
     block = body.block().lanes().lane(0)
-    uplift = float(np.min(uplift_scale(block, np.array([-1.0, 1.0])))) / STANDARD_GRAVITY
-    p, alpha = float(np.min(block.p)), float(np.min(block.alpha_c))
-    pedestals = [(one.width, one.height) for one in body.pedestals]
+    lifting = import_module(SOLVERS).uplift_scale(block, np.array([-1.0, 1.0]))
+    uplift = float(np.min(lifting)) / STANDARD_GRAVITY
+    support = Support(bool(body.floors), [(one.width, one.height) for one in body.pedestals])
     label = str(escape(say("drawing.label", name=body.name, held="")))
-    support = Support(bool(body.floors), pedestals)
-    drawing = body_drawing(Outline.of(block), support, label, lambda value: three_digits(value, "m"))
     words = say(
         "app.bodies.numbers",
         uplift=three_digits(uplift, "g") if math.isfinite(uplift) else "-",
-        p=three_digits(p),
-        alpha=three_digits(alpha),
+        p=three_digits(float(np.min(block.p))),
+        alpha=three_digits(float(np.min(block.alpha_c))),
     )
-    return words, drawing
+    return words, body_drawing(Outline.of(block), support, label, lambda value: three_digits(value, "m"))
 
 
 class BodyPart:
@@ -162,38 +141,51 @@ class BodyPart:
     name = "bodies"
 
     def __init__(self, page: Window) -> None:
-        self.page, self.project = page, page.project
+        self.page, self.project, self.most = page, page.project, FIRST
 
     def show(self) -> None:
-        """Build the section on the page."""
+        """Build the section on the page; the rows follow once the solvers are imported."""
         self.rows = ui.element("div").classes("wide")
-        self._show_rows()
         with ui.row():
-            ui.button(say("app.bodies.add"), on_click=self.page.handler(self._add)).props("no-caps").mark("add-body")
-            ui.button(say("app.bodies.paste"), on_click=self.page.handler(self._paste)).props("outline no-caps")
+            self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
+            self.page.button(say("app.bodies.paste"), self._paste)
         self.fault = ui.label().classes("fault").props('role="alert"')
+        ui.timer(0.05, self.page.handler(self._show_first), once=True)
+
+    async def _show_first(self) -> None:
+        await self.page.after(run.io_bound(import_module, SOLVERS))
+        self._show_rows()
 
     def _show_rows(self) -> None:
+        bodies = self.project.several("block")
         self.rows.clear()
-        with self.page.words():
-            for values in self.project.several("block"):
-                self._show_row(values)
-
-    def _show_row(self, values: dict[str, Any]) -> None:
         with self.rows:
-            BodyRow(self.page, values).show(self.page.handler(partial(self._remove, values)))
+            for values in bodies[: self.most]:
+                BodyRow(self, values)
+            if len(bodies) > self.most:
+                self.page.button(say("app.bodies.all"), self._show_all)
+
+    def _show_all(self) -> None:
+        self.most = len(self.project.several("block"))
+        self._show_rows()
 
     def _add(self) -> None:
-        names = {row.get("name") for row in self.project.several("block")}
+        bodies = self.project.several("block")
+        names = {row.get("name") for row in bodies}
         number = next(number for number in range(1, len(names) + 2) if say("app.bodies.name", n=number) not in names)
-        values = {"name": say("app.bodies.name", n=number)}
-        self.project.several("block").append(values)
-        self._show_row(values)
+        bodies.append({"name": say("app.bodies.name", n=number)})
+        if len(bodies) > self.most + 1:
+            self._show_all()
+        else:
+            self.most = max(self.most, len(bodies))
+            with self.rows:
+                BodyRow(self, bodies[-1])
         self.page.changed()
 
-    def _remove(self, values: dict[str, Any]) -> None:
-        self.project.document["block"] = [row for row in self.project.several("block") if row is not values]
-        self._show_rows()
+    def remove(self, row: BodyRow) -> None:
+        """Remove the body of a row."""
+        self.project.document["block"] = [one for one in self.project.several("block") if one is not row.values]
+        row.frame.delete()
         self.page.changed()
 
     def _paste(self) -> None:
@@ -201,36 +193,32 @@ class BodyPart:
             ui.label(say("app.bodies.paste_intro"))
             pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
             pasted.props("outlined").classes("wide")
-            taken = self.page.handler(lambda event: self._file(event, dialog))
-            file_input(say("app.bodies.file"), "/table", taken)
+            file_input(say("app.bodies.file"), "/table", self.page.handler(partial(self._taken, dialog)))
             with ui.row():
-                take = self.page.handler(lambda: self._text(pasted.value or "", dialog))
-                ui.button(say("app.bodies.take"), on_click=take).props("no-caps")
+                take = self.page.button(say("app.bodies.take"), lambda: self._text(pasted.value or "", dialog))
+                take.props(remove="outline")
                 ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
 
     def _text(self, text: str, dialog: Any) -> None:
-        headed = text if text.lstrip().lower().startswith("name") else f"{_headings(text)}\n{text}"
-        unused = self.project.add_table("pasted.csv", headed.encode())
+        if not text.lstrip().lower().startswith("name"):
+            mark = next((mark for mark in ("\t", ";") if mark in text), ",")
+            text = f"{HEADINGS.replace(',', mark)}\n{text}"
+        unused = self.project.add_table("pasted.csv", text.encode())
         self._added(dialog)
         if unused:
             ui.notify(unused)
 
-    def _file(self, event: events.GenericEventArguments, dialog: Any) -> None:
+    def _taken(self, dialog: Any, event: events.GenericEventArguments) -> None:
         if not event.args["sending"]:
             self._added(dialog)
             refused(event.args["faults"])
 
     def _added(self, dialog: Any) -> None:
         dialog.close()
-        self._show_rows()
+        self._show_all()
         self.page.shown_error()
 
     def show_error(self, error: str) -> None:
         """Show an error that concerns several bodies."""
         same = error.startswith("[[block]] name:") and "times" in error
         self.fault.text = error_words(error.partition(": ")[2]) if same else ""
-
-
-def _headings(text: str) -> str:
-    mark = next((mark for mark in ("\t", ";") if mark in text), ",")
-    return HEADINGS.replace(",", mark)

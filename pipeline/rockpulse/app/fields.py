@@ -89,7 +89,7 @@ class Fields:
         self.items = {item.name: item for item in fields(cls)}
         self.inputs: dict[str, Any] = {}
 
-    def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> None:
+    def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> "Fields":
         """Add an input for each key: a choice, a check box or a text field; in `texts`, typed numbers remain text."""
         for name in names:
             item = self.items[name]
@@ -110,6 +110,7 @@ class Fields:
             if allowed.finite:
                 made.props("inputmode=decimal")
             self.inputs[name] = made
+        return self
 
     def _changing(self, name: str, read: Callable[[Any], Any]) -> Callable[[Any], None]:
         def change(event: Any) -> None:
@@ -124,9 +125,9 @@ class Fields:
 
     def show(self, error: str) -> bool:
         """Show an error at the input of the key that it names; return whether such an input exists."""
+        inputs = {name: made for name, made in self.inputs.items() if hasattr(made, "error") and not made.is_deleted}
         words = re.findall(r"[a-z_0-9]+", error.partition(": ")[0])
-        at = next((word for word in reversed(words) if word in self.inputs), "")
-        for name, made in self.inputs.items():
-            if hasattr(made, "error"):
-                made.error = error_words(error.partition(f"{name}: ")[2] or error) if name == at else None
-        return bool(at) and hasattr(self.inputs[at], "error")
+        at = next((word for word in reversed(words) if word in inputs), "")
+        for name, made in inputs.items():
+            made.error = error_words(error.partition(f"{name}: ")[2] or error) if name == at else None
+        return bool(at)

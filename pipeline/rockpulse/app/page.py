@@ -43,6 +43,7 @@ def show_page(project: Project, language: str) -> None:
                 part.show()
         ui.label(f"rockpulse {__version__}. {say('app.local')}").classes("soft foot")
     window.shown_error()
+    ui.timer(0.5, window.look)
 
 
 def _style() -> str:

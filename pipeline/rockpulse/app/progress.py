@@ -14,9 +14,8 @@ class Progress:
     """A bar with the remaining time, a button to cancel, and how the last command ended."""
 
     def __init__(self, page: Window, *verbs: str) -> None:
-        self.page, self.command, self.verbs, self._seen = page, page.project.command, verbs, -1
-        self.stop = ui.button(say("app.results.cancel"), on_click=page.handler(self.command.cancel))
-        self.stop.props("outline no-caps")
+        self.command, self.verbs, self._seen = page.project.command, verbs, -1
+        self.stop = page.button(say("app.results.cancel"), self.command.cancel)
         self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
         self.state = ui.label().props('role="status"')
 
@@ -24,19 +23,18 @@ class Progress:
         """Show the progress of the command if it has changed, and return whether the command has started or ended."""
         command, seen = self.command, self._seen
         self._seen = command.version
-        if command.version != seen:
-            with self.page.words():
-                self._show(command.running and command.verb in self.verbs)
-        return seen < command.turned <= command.version
-
-    def _show(self, own: bool) -> None:
-        command = self.command
-        self.stop.visible = self.bar.visible = own
-        if own:
+        if command.version == seen:
+            return False
+        own = command.verb in self.verbs
+        self.stop.visible = self.bar.visible = own and command.running
+        if not own:
+            self.state.text = ""
+        elif command.running:
             self.bar.value = command.done / command.total if command.total else 0.0
             self.bar.props(f":indeterminate={'false' if command.total else 'true'}")
             key = "app.results.at" if command.total else f"app.results.{command.verb}"
             self.state.text = say(key, done=command.done, total=command.total, left=command.left)
         else:
-            key = ENDED.get(command.code, "app.results.failed") if command.verb in self.verbs else ""
-            self.state.text = say(key, reason=plain_error(command.reason)) if key and not command.running else ""
+            key = ENDED.get(command.code, "app.results.failed")
+            self.state.text = say(key, reason=plain_error(command.reason)) if key else ""
+        return seen < command.turned

@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from filecmp import cmp
 from importlib.resources import files
@@ -254,14 +255,8 @@ class Project:
 
     def add_table(self, name: str, content: bytes) -> str:
         """Add the bodies of a table file; return a sentence on unused columns; raise ConfigError for a wrong table."""
-        path = self.folder / f".{safe_name(name)}"
-        try:
-            path.write_bytes(content)
+        with self._tried(name, content) as path:
             bodies, unused = read_bodies(path)
-        except ConfigError as error:
-            raise ConfigError(str(error).replace(str(path), name)) from None
-        finally:
-            path.unlink(missing_ok=True)
         known = {row.get("name") for row in self.several("block")}
         if twice := [body.name for body in bodies if body.name in known]:
             raise ConfigError(f'[[block]] name: "{twice[0]}" is given 2 times; names must differ')
@@ -269,21 +264,34 @@ class Project:
         self.save()
         return unused_columns(name, unused)
 
+    @contextmanager
+    def _tried(self, name: str, content: bytes) -> Iterator[Path]:
+        """Write an uploaded file in the ``with`` block alone, whose errors state the name of the upload."""
+        path = self.folder / f".{safe_name(name)}"
+        try:
+            path.write_bytes(content)
+            yield path
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(path), name)) from None
+        finally:
+            path.unlink(missing_ok=True)
+
     # Site
 
     def set_hazard(self, name: str, content: bytes) -> None:
-        """Keep a file of hazard curves, which replaces a power law; raise ConfigError if it cannot be used as it is."""
+        """Keep a file of hazard curves, which replaces a power law or another file; raise ConfigError for a wrong one.
+
+        A wrong one changes nothing.
+        """
         from rockpulse.studies.risk.hazard_files import hazard_of
 
+        replaced = ("k0", "k", "measure", "unit", "file")
+        kept = {key: value for key, value in self.section("hazard").items() if key not in replaced}
+        with self._tried(name, content) as path:
+            hazard_of(section_of(HazardSettings, kept | {"file": path.name}), self.folder)
         write_files({self.folder / HAZARD: content})
-        self.document["hazard"] = {
-            key: value for key, value in self.section("hazard").items() if key not in ("k0", "k", "measure", "unit")
-        } | {"file": HAZARD}
+        self.document["hazard"] = kept | {"file": HAZARD}
         self.save()
-        try:
-            hazard_of(self.config().hazard, self.folder)
-        except ConfigError as error:
-            raise ConfigError(str(error).replace(str(self.folder / HAZARD), name)) from None
 
     # Results
 
@@ -296,8 +304,10 @@ class Project:
         """Return whether a file of results exists that was made from the records and the configuration as they are."""
         from rockpulse.storage.hdf5.results_file import open_results_file
 
-        path = self.folder / name
-        if not path.is_file() or self._records_changed(path):
+        path, config = self.folder / name, self.config()
+        tables = (config.records.events, config.check.file, config.fragility.selection)
+        named = [self.folder / one for one in (*tables, *(one.selection for one in config.demands)) if one]
+        if not path.is_file() or _newer(named, path) or self._records_changed(path):
             return False
         made = path.stat().st_mtime_ns
         try:
@@ -307,11 +317,11 @@ class Project:
             given = config_from_text(self._made[name][1])
         except RockpulseError:  # damaged, or from another version: the page offers to make it again
             return False
-        return _basis(given) == _basis(self.config())
+        return _basis(given) == _basis(config)
 
     def newer_than(self, made: Path) -> bool:
         """Return whether the configuration, the hazard or a file of records is newer than a file made from them."""
-        inputs = (self.path, self.folder / HAZARD)
+        inputs = (self.path, self.folder / (self.config().hazard.file or HAZARD))
         return made.is_file() and (_newer(inputs, made) or self._records_changed(made))
 
     def _records_changed(self, made: Path) -> bool:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from heapq import nsmallest
 from operator import ne
 from pathlib import Path
@@ -14,7 +14,7 @@ from nicegui import events, run, ui
 from rockpulse.app.fields import file_input, refused, value_of
 from rockpulse.app.project import RECORDS, samples
 from rockpulse.app.table import Table
-from rockpulse.app.window import Window
+from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.configuration import Config
 from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
 from rockpulse.readers.kit.spacing import same_step
@@ -39,8 +39,6 @@ SHAPE = """<q-td :props="props"><svg class="shape" viewBox="0 0 80 24" aria-hidd
 STROKES, PARTNERS = 40, 20
 #: Largest cosine of the angle between the directions of a pair.
 CROSSWISE = 0.2
-#: Number of files not used that are shown at first, as their inputs make the page slow.
-LEFT = 20
 #: Cell with the button that removes a file.
 REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" color="secondary"
  :aria-label="'{remove} ' + props.value" @click="$parent.$emit('remove', props.value)" /></q-td>"""
@@ -56,7 +54,7 @@ class RecordPart:
         self.records: list[Record] = []
         self.failures: list[Failure] = []  # of reading, and of the last assessment
         self.single: dict[str, Record] = {}  # the horizontal channels that are alone in their files, by file
-        self.most = LEFT  # the largest number of files not used that are shown
+        self.most = FIRST  # the largest number of files not used that are shown
         self.components = ""  # the directions for which the channels without a partner were found
 
     def show(self) -> None:
@@ -65,11 +63,12 @@ class RecordPart:
         file_input(say("app.records.drop"), "/upload", page.handler(self._taken), say("app.records.folder"))
         self.unused = ui.label().classes("fault").props('role="alert"')
         if samples():
-            ui.button(say("app.records.samples"), on_click=page.handler(self._samples)).props("outline no-caps")
+            page.button(say("app.records.samples"), self._samples)
         self.state = ui.label().props('role="status"')
         self.table = ui.element("div").classes("wide")
         self.left = ui.element("div").classes("wide")
-        self.files = ui.expansion(say("app.records.files")).classes("wide").props("dense")
+        self.files = Panel(page, say("app.records.files"), self._show_files)
+        self.files.visible = False
         if self.project.kept[0]:  # shown before they are compared with the files
             self.records = self.project.kept[0]
             self._show_records()
@@ -94,21 +93,20 @@ class RecordPart:
 
     async def read(self) -> None:
         """Read all records again, and show them."""
+        after, known = self.page.after, self.records
         self.state.text = self.state.text or say("app.records.reading")
-        found = await self.page.after(run.io_bound(self.project.read_records))
-        same = bool(self.records) and found is not None and found[0] is self.records
-        self.records, failures = found or ([], [])
-        self.failures = [*failures, *(await self.page.after(run.io_bound(self.project.rejected)) or [])]
-        with self.page.words():
-            if not same:
-                self._show_records()
-            self._show_left()
-            self._show_files()
+        found = await after(run.io_bound(self.project.read_records))
+        self.records, failures = found or ([], [])  # without a value: the server ends
+        if not self.records or self.records is not known:
+            self._show_records()
+        self.failures = [*failures, *(await after(run.io_bound(self.project.rejected)) or [])]
+        self._show_left()
+        self.files.renew()
+        self.files.visible = bool(self.project.record_files())
         self.page.shown_error()
         if self.records:
-            events = await self.page.after(run.io_bound(self.project.earthquakes, self.records, failures)) or 0
-            with self.page.words():
-                self.state.text = _counts(len(self.records), events)
+            events = await after(run.io_bound(self.project.earthquakes, self.records, failures)) or 0
+            self.state.text = _counts(len(self.records), events)
 
     def _show_records(self) -> None:
         self.state.text = counted_words(len(self.records), "channel") if self.records else say("app.records.none")
@@ -126,10 +124,10 @@ class RecordPart:
             shown = Table(say("app.records.title"), columns, rows)
             shown.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
             shown.add_slot("body-cell-shape", SHAPE)
-            shown.on("picture", self.page.handler(self._picture))
+            shown.on("picture", self.page.handler(self._show_picture))
             ui.label(say("app.records.click")).classes("soft")
 
-    async def _picture(self, event: events.GenericEventArguments) -> None:
+    async def _show_picture(self, event: events.GenericEventArguments) -> None:
         record = self.records[int(event.args)]
         with self.table, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
             ui.label(f"{record.id}").classes("name")
@@ -158,7 +156,7 @@ class RecordPart:
                 with ui.element("div").classes(f"left {row.kind}"):
                     self._left(row)
             if len(rows) > self.most:
-                ui.button(say("app.records.all"), on_click=self.page.handler(self._show_all)).props("outline no-caps")
+                self.page.button(say("app.records.all"), self._show_all)
 
     def _show_all(self) -> None:
         self.most = len(self.failures) + len(self.records)
@@ -190,14 +188,13 @@ class RecordPart:
         """Show the input of a remedy for a file or its channels."""
         key, name = remedy.key, self.project.name_of(source)
         paired = key == "pair" and self.project.pairs_without(name) != self.project.section("records").get("pair", [])
-        if key == "confirm" or paired:
-            click = self._applying(name, key, lambda: remedy.choices)  # no choice of a pair: the files are separated
+        if key == "confirm" or paired:  # no choice of a pair: the files are separated
             label = say("app.records.apart") if paired else say("app.records.confirm")
-            ui.button(label, on_click=click).props("outline no-caps dense")
+            self.page.button(label, lambda: self._apply(name, key, remedy.choices)).props("dense")
             return
         partners = self._partners(name) if key == "pair" else {}
         label = say(f"app.key.{key}") + (" [s]" if key == "dt" else "")
-        apply = self._applying(name, key, lambda: partners.get(made.value) or value_of(made.value))
+        apply = self.page.handler(lambda: self._apply(name, key, partners.get(made.value) or value_of(made.value)))
         if key == "dt" and not remedy.choices:
             made: Any = ui.input(label).props("inputmode=decimal").on("change", apply)
         elif options := {other: last_part(other) for other in partners} or [*remedy.choices]:
@@ -205,6 +202,12 @@ class RecordPart:
         else:
             return
         made.props("dense outlined").classes("key")
+
+    async def _apply(self, name: str, key: str, value: Any) -> None:
+        if fault := self.project.remedy(name, key, value):
+            self.project.load()
+            raise ValueError(fault)
+        await self.read()
 
     def _partners(self, name: str) -> dict[str, list[str]]:
         """Return the files that can be the other direction of a file, similar names first, as north and east."""
@@ -219,32 +222,18 @@ class RecordPart:
         }
         return {other: found[other] for other in nsmallest(PARTNERS, found, key=lambda other: _unlike(last, other))}
 
-    def _applying(self, name: str, key: str, value: Callable[[], Any]) -> Any:
-        async def apply() -> None:
-            if fault := self.project.remedy(name, key, value()):
-                self.project.load()
-                raise ValueError(fault)
-            await self.read()
-
-        return self.page.handler(apply)
-
     def _show_files(self) -> None:
-        self.files.clear()
-        paths = self.project.record_files()
-        self.files.visible = bool(paths)
         columns = [{"name": name, "label": "", "field": "id", "align": "left"} for name in ("id", "remove")]
-        with self.files:
-            rows = [{"id": path.relative_to(self.project.folder / RECORDS).as_posix()} for path in paths]
-            shown = Table(say("app.records.files"), columns, rows).props("hide-header")
-            shown.add_slot("body-cell-remove", REMOVE.format(remove=say("app.records.remove")))
-            shown.on("remove", self.page.handler(self._remove))
+        folder = self.project.folder / RECORDS
+        rows = [{"id": path.relative_to(folder).as_posix()} for path in self.project.record_files()]
+        shown = Table(say("app.records.files"), columns, rows).props("hide-header")
+        shown.add_slot("body-cell-remove", REMOVE.format(remove=say("app.records.remove")))
+        shown.on("remove", self.page.handler(self._remove))
 
     async def _remove(self, event: events.GenericEventArguments) -> None:
         path = self.project.folder / RECORDS / event.args
         if path in self.project.record_files():
-            inside = (str(path), f"{path}!")
-            ids = {one.id for one in self.records if one.source == inside[0] or one.source.startswith(inside[1])}
-            self.project.remove(path, ids)
+            self.project.remove(path, {one.id for one in self.records if f"{one.source}!".startswith(f"{path}!")})
         await self.read()
 
 

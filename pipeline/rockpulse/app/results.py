@@ -2,7 +2,6 @@
 
 import csv
 import math
-from typing import Any
 
 from nicegui import ui
 
@@ -10,7 +9,7 @@ from rockpulse.app.fields import plain_error
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RECORDS, RESULTS, RISK, SELECTION, TABLE
 from rockpulse.app.table import Table
-from rockpulse.app.window import Window
+from rockpulse.app.window import Panel, Window
 from rockpulse.views.shared.formatting import between, fixed, share, three_digits
 from rockpulse.views.shared.words import result_text, say
 
@@ -37,29 +36,29 @@ class ResultPart:
 
     def show(self) -> None:
         """Build the section on the page."""
-        handler = self.page.handler
-        self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
-        self.start.mark("assess")
+        self.start = self.page.button(say("app.results.start"), self.assess).props(remove="outline").mark("assess")
         self.fault = ui.label().classes("fault").props('role="alert"')
         self.progress = Progress(self.page, "assess", "report", "export", "fragility", "risk")
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
         self.risk = ui.element("div").classes("wide")
         self.found = ui.element("div").classes("wide")
+        self.page.looks.append(self._look)
         self._look()
-        ui.timer(0.5, self._look)
 
     async def assess(self) -> None:
         """Assess the records and write the report; finished records of an interrupted assessment are not repeated."""
         if self.command.running or self.project.save():
             return
-        code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
-        if code in (0, 1) and (self.project.folder / RESULTS).is_file():
+        await self.page.run(*ASSESS, "--resume", "--overwrite")
+        if (self.project.folder / RESULTS).is_file():
             self.project.assessed += 1
-            await self._write_report(".html")  # also if the window was closed
+            await self._write_report(".html")
 
-    async def _write_report(self, suffix: str) -> None:
+    async def _write_report(self, suffix: str) -> str:
+        """Write the report in the language of the page, and return the name of its file."""
         name = self.project.report(self.page.language, suffix).name
         await self.page.run("report", RESULTS, "-o", name, "--language", self.page.language, "--overwrite")
+        return name
 
     async def _frequencies(self) -> None:
         of_config = "--config", CONFIG, "--overwrite", "-o"
@@ -67,21 +66,17 @@ class ResultPart:
             await self.page.run("fragility", *of_config, FRAGILITY, "--resume")
         await self.page.run("risk", FRAGILITY, *of_config, RISK)
 
-    def _saving(self, kind: str) -> Any:
-        async def save() -> None:
-            if kind == TABLE:
-                comma = ("--decimal-comma",) if self.page.language == "it" else ()
-                await self.page.run("export", RESULTS, "-o", TABLE, "--overwrite", *comma)
-            else:
-                await self._write_report(kind)
-            ui.download(f"/files/{TABLE if kind == TABLE else self.project.report(self.page.language, kind).name}")
+    async def _save_pdf(self) -> None:
+        ui.download(f"/files/{await self.page.after(self._write_report('.pdf'))}")
 
-        return save
+    async def _save_table(self) -> None:
+        comma = ("--decimal-comma",) if self.page.language == "it" else ()
+        await self.page.after(self.page.run("export", RESULTS, "-o", TABLE, "--overwrite", *comma))
+        ui.download(f"/files/{TABLE}")
 
     def _look(self) -> None:
-        """Show the progress of the command and the changes made by other windows, if there are any."""
-        self.page.follow()
-        if self.project.assessed != self._assessed:  # by any window
+        """Show the progress of the command, and what the commands of any window have made."""
+        if self.project.assessed != self._assessed:
             self._assessed = self.project.assessed
             ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected
         if self.progress.look():
@@ -89,9 +84,8 @@ class ResultPart:
             self.start.visible = not running
             if not running and (self.command.verb in self.progress.verbs or not self._shown):
                 self._shown = True
-                with self.page.words():
-                    self._show_found()
-                    self._show_risk()
+                self._show_found()
+                self._show_risk()
 
     def _show_found(self) -> None:
         """Show links to the files, the commands that repeat the run, and the report, once there are results."""
@@ -99,31 +93,33 @@ class ResultPart:
         results = self.project.folder / RESULTS
         if not results.is_file():
             return
-        report, handler = self.project.report(self.page.language), self.page.handler
+        report, button = self.project.report(self.page.language), self.page.button
         with self.found:
             with ui.row().classes("files"):
                 if report.is_file():
                     _link(say("app.results.html"), report.name)
                 else:
-                    make = ui.button(say("app.results.make"), on_click=handler(lambda: self._write_report(".html")))
-                    make.props("outline no-caps")
-                for label, kind in (("PDF", ".pdf"), ("CSV", TABLE)):
-                    ui.button(label, on_click=handler(self._saving(kind))).props("outline no-caps")
+                    button(say("app.results.make"), lambda: self._write_report(".html"))
+                button("PDF", self._save_pdf)
+                button("CSV", self._save_table)
                 _link("HDF5", RESULTS)
                 _link(CONFIG, CONFIG)
-            with ui.expansion(say("app.results.commands")).classes("wide").props("dense"):
-                again = [" ".join(ASSESS), f"report {RESULTS} -o {report.name} --language {self.page.language}"]
-                if (self.project.folder / SELECTION).is_file():
-                    again.append(f"select --config {CONFIG} -o {SELECTION}")
-                if (self.project.folder / RISK).is_file():
-                    again.append(f"fragility --config {CONFIG} -o {FRAGILITY}")
-                    again.append(f"risk {FRAGILITY} --config {CONFIG} -o {RISK}")
-                lines = "\n".join(f"rockpulse {one}" for one in again)
-                ui.html(f"cd {self.project.folder}\n{lines}", tag="pre").classes("pre").props('tabindex="0"')
+            Panel(self.page, say("app.results.commands"), self._show_commands)
             if report.is_file():
                 frame = ui.element("iframe").classes("report").props(f'title="{say("app.results.report")}"')
                 frame.on("load", js_handler=FIT)
                 frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')
+
+    def _show_commands(self) -> None:
+        report, folder = self.project.report(self.page.language).name, self.project.folder
+        of_config = f"--config {CONFIG} -o"
+        made = {
+            RESULTS: (" ".join(ASSESS), f"report {RESULTS} -o {report} --language {self.page.language}"),
+            SELECTION: (f"select {of_config} {SELECTION}",),
+            RISK: (f"fragility {of_config} {FRAGILITY}", f"risk {FRAGILITY} {of_config} {RISK}"),
+        }
+        lines = [f"rockpulse {one}" for name, commands in made.items() if (folder / name).is_file() for one in commands]
+        ui.html("\n".join([f"cd {folder}", *lines]), tag="pre").classes("pre").props('tabindex="0"')
 
     def _show_risk(self) -> None:
         """Show the annual frequencies of the bodies, and the button that computes them."""
@@ -132,8 +128,7 @@ class ResultPart:
         with self.risk:
             ui.html(say("app.risk.title"), tag="h3")
             with ui.row().classes("files"):
-                make = ui.button(say("app.risk.start"), on_click=self.page.handler(self._frequencies))
-                make.props("outline no-caps")
+                self.page.button(say("app.risk.start"), self._frequencies)
                 if path.is_file():
                     _link("CSV", RISK)
             if not path.is_file() or self.project.newer_than(path):

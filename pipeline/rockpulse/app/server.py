@@ -1,17 +1,20 @@
 """Serves the page to the browser of this machine until the page is closed."""
 
 import asyncio
+import logging
 import secrets
 import socket
 import time
 import webbrowser
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from fastapi import HTTPException, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
-from nicegui import Client, app, run, ui
+from nicegui import Client, app, ui
 from nicegui.server import Server
+from starlette.requests import ClientDisconnect
 
 from rockpulse.app.guard import Guard
 from rockpulse.app.page import show_page
@@ -40,6 +43,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         port = free.getsockname()[1]
     address = f"http://127.0.0.1:{port}/?token={token}"
     app.config.quasar_config["loadingBar"]["skipHijack"] = True  # its bar has no name for screen readers
+    logging.getLogger("uvicorn.error").addFilter(_is_fault)
     app.add_middleware(Guard, token=token, port=port)
 
     @ui.page("/", title="rockpulse", response_timeout=30.0)
@@ -65,14 +69,17 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
             path = project.place_for(name)
         except (FileExistsError, NotADirectoryError) as error:
             raise HTTPException(400, f"{error.filename}: a file has the name of this folder") from error
+        whole = False
         try:
             with path.open("xb") as file:
                 async for part in request.stream():
                     file.write(part)
-        except BaseException:  # the window was closed, or the disk is full
-            path.unlink(missing_ok=True)
-            raise
-        project.keep_if_new(path)
+                whole = file.tell() == int(request.headers["content-length"])
+        finally:
+            if not whole:  # the window was closed, or the disk is full
+                path.unlink(missing_ok=True)
+        if whole:
+            project.keep_if_new(path)
 
     async def taken(request: Request, name: str) -> Response:
         take = project.add_table if request.url.path == "/table" else project.set_hazard
@@ -91,7 +98,6 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         tell(f"{address}\nfolder: {project.folder}; Ctrl-C ends the page")
         if show:
             webbrowser.open(address)
-        ahead = asyncio.gather(run.io_bound(project.read_records), return_exceptions=True)  # a window shows a fault
         seen = time.monotonic()
         while time.monotonic() - seen < close_after:
             await asyncio.sleep(min(LOOK, 0.25 * close_after))
@@ -101,6 +107,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         tell("the page was closed")
         app.shutdown()
 
+    ahead = ThreadPoolExecutor(1).submit(project.read_records)  # a window shows a fault
     app.on_startup(attend)
     app.on_shutdown(project.command.cancel)
     ui.run(
@@ -116,3 +123,9 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         reconnect_timeout=30.0,
         timeout_graceful_shutdown=2,
     )
+
+
+def _is_fault(record: logging.LogRecord) -> bool:
+    """Return whether a message of the server is on a fault, and not on a request that the browser has cut off."""
+    fault = record.exc_info[1] if record.exc_info else None
+    return not isinstance(fault, ClientDisconnect) and str(fault) != "No response returned."

@@ -7,16 +7,18 @@ from nicegui import events, ui
 from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
-from rockpulse.app.window import Window
+from rockpulse.app.window import Panel, Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
+from rockpulse.option import Section
 from rockpulse.record.measures import PGA, ROWS
 from rockpulse.views.shared.words import error_words, say
 
 #: Kinds of demand: none, a_g S of the site, and measures with the units that a value may have.
 MEASURES = {"pga": ("g", "m/s2"), "pgv": ("m/s", "cm/s"), "sa": ("g", "m/s2")}
-#: Keys of each group of inputs, by section.
+#: Keys of the code check, and of the head of the report.
 CHECK = ("spectrum", "ag", "f0", "tc_star", "ground", "topography", "limit_state", "q", "confidence_factor")
+HEAD = ("author", "client", "project")
 
 
 class SitePart:
@@ -31,51 +33,49 @@ class SitePart:
 
     def show(self) -> None:
         """Build the section on the page."""
-        section = self.project.section
+        site = self.project.section("site")
         with ui.element("div").classes("keys"):
-            self._group(SiteSettings, section("site")).add("name", "description", texts=("name", "description"))
+            self._group(SiteSettings, "name", "description", texts=("name", "description"))
         ui.html(say("app.site.demand"), tag="h3")
-        demands = self.project.several("demand")
-        if not demands and PGA in section("site"):  # the same as a demand
-            demands.append({"measure": PGA, "value": section("site").pop(PGA)})
-        kind = "none" if not demands else demands[0].get("measure", PGA)
-        kind = "ag" if not demands and "ag" in section("site") else kind
+        of_site = [{"measure": PGA, "value": site[PGA]}] if PGA in site else []
+        demands = self.project.several("demand") or of_site
+        kind = demands[0].get("measure", PGA) if demands else "ag" if "ag" in site else "none"
         options = {one: say(f"app.demand.{one}") for one in ("none", "ag", *MEASURES)}
-        options |= {} if kind in options else {kind: kind}
         with ui.element("div").classes("keys"):
-            choice = ui.select(options, label=say("app.site.kind"), value=kind)
+            choice = ui.select({kind: kind} | options, label=say("app.site.kind"), value=kind)
             choice.classes("key").props("dense outlined").mark("demand")
         self.demand = ui.element("div").classes("keys")
-        self._show_demand(kind)
+        self._show_demand(kind, demands)
         choice.on_value_change(self.page.handler(lambda event: self._choose(event.value)))
-        with ui.expansion(say("app.site.directions")).classes("wide").props("dense"), ui.element("div").classes("keys"):
-            self._group(RecordSettings, section("records")).add("components", "azimuth", "include_vertical")
-        with ui.expansion(say("app.site.check")).classes("wide").props("dense"), ui.element("div").classes("keys"):
-            self._group(CheckSettings, section("check")).add(*CHECK)
-            self._group(SelectionSettings, section("selection")).add("records")
-            self._spectra()
-        with ui.expansion(say("app.site.hazard")).classes("wide").props("dense"):
-            ui.label(say("app.site.hazard_intro")).classes("soft")
-            file_input(say("app.site.hazard_file"), "/hazard", self.page.handler(self._hazard_taken))
-            self.hazard = ui.element("div").classes("keys")
-            self._show_hazard()
-        with ui.expansion(say("app.site.report")).classes("wide").props("dense"), ui.element("div").classes("keys"):
-            names = ("author", "client", "project")
-            self._group(ReportSettings, section("report")).add(*names, texts=names)
+        Panel(self.page, say("app.site.directions"), self._show_directions)
+        Panel(self.page, say("app.site.check"), self._show_check)
+        Panel(self.page, say("app.site.hazard"), self._show_hazard_panel)
+        Panel(self.page, say("app.site.report"), self._show_head)
         self.fault = ui.label().classes("fault").props('role="alert"')
 
-    def _group(self, cls: Any, values: dict[str, Any]) -> Fields:
-        self.groups.append(Fields(cls, values, self.page.changed))
-        return self.groups[-1]
+    def _group(self, cls: type[Section], *keys: str, texts: tuple[str, ...] = (), values: Any = None) -> None:
+        """Show inputs of a section of the configuration, or of `values`."""
+        values = self.project.section(cls.heading.strip("[]")) if values is None else values
+        self.groups.append(Fields(cls, values, self.page.changed).add(*keys, texts=texts))
 
-    def _spectra(self) -> None:
-        """Show the button that selects records for the spectrum of the check, and the picture of their spectra."""
-        self.draw = ui.button(say("app.site.spectra"), on_click=self.page.handler(self._select))
-        self.draw.props("outline no-caps")
+    def _show_directions(self) -> None:
+        with ui.element("div").classes("keys"):
+            self._group(RecordSettings, "components", "azimuth", "include_vertical")
+
+    def _show_head(self) -> None:
+        with ui.element("div").classes("keys"):
+            self._group(ReportSettings, *HEAD, texts=HEAD)
+
+    def _show_check(self) -> None:
+        """Show the inputs of the check, and the picture of the records that are selected for its spectrum."""
+        with ui.element("div").classes("keys"):
+            self._group(CheckSettings, *CHECK)
+            self._group(SelectionSettings, "records")
+        self.draw = self.page.button(say("app.site.spectra"), self._select)
         self.progress = Progress(self.page, "select")
         self.picture = ui.element("div").classes("picture")
+        self.page.looks.append(self._look)
         self._look()
-        ui.timer(0.5, self._look)
 
     async def _select(self) -> None:
         if self.project.error:  # the configuration in the file is an earlier one
@@ -86,17 +86,19 @@ class SitePart:
     def _look(self) -> None:
         if self.progress.look():
             self.draw.set_enabled(not self.progress.command.running)
-            with self.page.words():
-                self._show_picture()
+            self.picture.clear()
+            path = self.project.folder / SPECTRA
+            if path.is_file() and not self.project.newer_than(path):
+                with self.picture:
+                    address = f"/files/{SPECTRA}?{path.stat().st_mtime_ns}"
+                    ui.html(f'<img src="{address}" alt="{say("app.site.spectra_alt")}">', sanitize=False)
+                    ui.link(say("app.site.selection"), f"/files/{SELECTION}")
 
-    def _show_picture(self) -> None:
-        self.picture.clear()
-        path = self.project.folder / SPECTRA
-        if path.is_file() and not self.project.newer_than(path):
-            with self.picture:
-                address = f"/files/{SPECTRA}?{path.stat().st_mtime_ns}"
-                ui.html(f'<img src="{address}" alt="{say("app.site.spectra_alt")}">', sanitize=False)
-                ui.link(say("app.site.selection"), f"/files/{SELECTION}")
+    def _show_hazard_panel(self) -> None:
+        ui.label(say("app.site.hazard_intro")).classes("soft")
+        file_input(say("app.site.hazard_file"), "/hazard", self.page.handler(self._hazard_taken))
+        self.hazard = ui.element("div").classes("keys")
+        self._show_hazard()
 
     def _hazard_taken(self, event: events.GenericEventArguments) -> None:
         if not event.args["sending"]:
@@ -106,18 +108,15 @@ class SitePart:
 
     def _show_hazard(self) -> None:
         self.hazard.clear()
-        values = self.project.section("hazard")
+        file = self.project.section("hazard").get("file")
         with self.hazard:
-            if "file" in values:
-                remove = ui.button(
-                    f"{say('app.records.remove')}: {values['file']}", on_click=self.page.handler(self._drop)
-                )
-                remove.props("outline no-caps")
+            if file:
+                self.page.button(f"{say('app.records.remove')}: {file}", self._drop_hazard)
             else:
-                self._group(HazardSettings, values).add("measure", "unit", "k0", "k")
-            self._group(HazardSettings, values).add("longitude", "latitude", "soil_factor", "years")
+                self._group(HazardSettings, "measure", "unit", "k0", "k")
+            self._group(HazardSettings, "longitude", "latitude", "soil_factor", "years")
 
-    def _drop(self) -> None:
+    def _drop_hazard(self) -> None:
         del self.project.section("hazard")["file"]
         self._show_hazard()
         self.page.changed()
@@ -125,22 +124,22 @@ class SitePart:
     def _choose(self, kind: str) -> None:
         site, demands = self.project.section("site"), self.project.several("demand")
         demands.clear()
+        site.pop(PGA, None)
         if kind != "ag":
             site.pop("ag", None)
-        site.pop(PGA, None)
         if kind in MEASURES:
             demands.append({"measure": kind, **({"period": 1.0} if ROWS[kind].periods else {})})
-        self._show_demand(kind)
+        self._show_demand(kind, demands)
         if kind in ("none", "ag"):
             self.page.changed()
 
-    def _show_demand(self, kind: str) -> None:
+    def _show_demand(self, kind: str, demands: list[dict[str, Any]]) -> None:
         self.demand.clear()
         self.values.clear()
         with self.demand:
             if kind == "ag":
-                self._group(SiteSettings, self.project.section("site")).add("ag", "ground")
-            for number, row in enumerate(self.project.several("demand")):
+                self._group(SiteSettings, "ag", "ground")
+            for number, row in enumerate(demands):
                 self._show_value(row, number)
 
     def _show_value(self, row: dict[str, Any], number: int) -> None:
@@ -155,22 +154,20 @@ class SitePart:
         chosen = ui.select([*units], label=say("app.site.unit"), value=unit if unit in units else (*units, "")[0])
         chosen.classes("key").props("dense outlined")
 
-        def confirm() -> None:
-            row["confirm_value"] = True
-            self.page.changed()
-
-        def change() -> None:
+        def change(**confirmed: bool) -> None:
+            if self.project.section("site").pop(PGA, None):  # it is the same as a demand, which can be confirmed
+                self.project.several("demand").append(row)
             row.pop("confirm_value", None)  # it was given for another value
-            row["value"] = f"{(typed.value or '').replace(',', '.').strip()} {chosen.value}".strip()
+            row.update(confirmed, value=f"{(typed.value or '').replace(',', '.').strip()} {chosen.value}".strip())
             self.page.changed()
 
-        typed.on_value_change(change)
-        chosen.on_value_change(change)
+        typed.on_value_change(lambda: change())
+        chosen.on_value_change(lambda: change())
         typed.mark(f"value{number}")
-        sure = ui.button(say("app.site.confirm"), on_click=self.page.handler(confirm)).props("outline no-caps dense")
+        sure = self.page.button(say("app.site.confirm"), lambda: change(confirm_value=True)).props("dense")
         self.values.append((typed.without_auto_validation(), sure))
         if measure and measure.periods:
-            self._group(DemandSettings, row).add("period")
+            self._group(DemandSettings, "period", values=row)
 
     def show_error(self, error: str) -> None:
         """Show an error in the values of the site at its input or, if no input is named, below the inputs."""

@@ -1,7 +1,6 @@
 """One open window of the page: its language, its sections, and the handlers of its events."""
 
-from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Awaitable, Callable
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -12,7 +11,9 @@ from rockpulse.app.project import Project
 from rockpulse.views.shared.words import say, writing
 
 T = TypeVar("T")
-#: Number of calls of :meth:`Window.follow` from a change in another window to the reload of the page.
+#: Number of rows with inputs that are shown at first, as many make the page slow.
+FIRST = 10
+#: Number of calls of :meth:`Window.look` from a change in another window to the reload of the page.
 PAUSE = 4
 #: Commands that end with exit code 1 if only some of the records could be used.
 SOME = ("assess", "fragility", "select")
@@ -33,22 +34,28 @@ class Window:
         Code of the language of the texts.
     parts : list
         The sections on records, bodies, site and results, with a `name` and the methods `show` and `show_error`.
+    looks : list
+        Functions that show what has changed, called twice a second.
     """
 
     def __init__(self, project: Project, language: str) -> None:
         self.project, self.language = project, language
         self.parts: list[Any] = []
+        self.looks: list[Callable[[], object]] = []
         self.client = ui.context.client
         self.sending, self._working = False, 0  # whether files are sent, and the number of handlers at work
         self._seen, self._differs = project.written, 0
 
-    def follow(self) -> None:
-        """Reload the page shortly after another window has changed the project; called twice a second."""
+    def look(self) -> None:
+        """Show what has changed, and reload the page after a change in another window; called twice a second."""
         if self.sending or self._working:
             self._seen = self.project.written
         self._differs = self._differs + 1 if self.project.written != self._seen else 0
         if self._differs > PAUSE:
             ui.navigate.reload()
+        with writing(self.language):
+            for look in self.looks:
+                look()
 
     async def after(self, work: Awaitable[T]) -> T:
         """Wait for `work` and return its result; raise Closed if the window was closed in the meantime."""
@@ -58,18 +65,15 @@ class Window:
         return found
 
     async def run(self, *arguments: str) -> None:
-        """Run a command of rockpulse to its end.
+        """Run a command of rockpulse to its end, also if the window is closed.
 
-        Raises ValueError with its message if it fails or if another one is running, and Closed if it was cancelled.
+        Raises ValueError if another one is running, and Closed if it fails or is cancelled, which the progress shows.
         """
         command = self.project.command
         if command.running:
             raise ValueError(say("app.results.busy"))
-        code = await self.after(command.run(arguments))
-        if code == 130:
+        if await command.run(arguments) > (arguments[0] in SOME):
             raise Closed
-        if code > (arguments[0] in SOME):
-            raise ValueError(command.reason)
 
     def changed(self) -> None:
         """Write the configuration after a change on the page, and show whether it is valid."""
@@ -110,8 +114,30 @@ class Window:
 
         return handle
 
-    @contextmanager
-    def words(self) -> Iterator[None]:
-        """Set the language of the page in a ``with`` block."""
-        with writing(self.language):
-            yield
+    def button(self, label: str, work: Callable[..., Any]) -> ui.button:
+        """Show a button that calls `work`."""
+        return ui.button(label, on_click=self.handler(work)).props("outline no-caps")
+
+    def bin(self, label: str, work: Callable[..., Any]) -> None:
+        """Show a button with the picture of a bin, which removes something."""
+        ui.button(icon="delete", on_click=self.handler(work)).props(f'flat dense color=secondary aria-label="{label}"')
+
+
+class Panel(ui.expansion):
+    """A panel whose content is made by `make` when it is first opened, as hidden inputs make the page slow."""
+
+    def __init__(self, page: Window, title: str, make: Callable[[], Any]) -> None:
+        super().__init__(title, on_value_change=page.handler(self._opened))
+        self._page, self._make = page, make
+        self.classes("wide").props("dense")
+
+    def renew(self) -> None:
+        """Make the content again, now or when the panel is opened next."""
+        self.clear()
+        self._opened()
+
+    def _opened(self) -> None:
+        if self.value and not self.default_slot.children:
+            with self:
+                self._make()
+            self._page.shown_error()

@@ -41,7 +41,7 @@ class Motions:
     @property
     def event_count(self) -> int:
         """Number of different earthquakes; 1 if no record states its earthquake."""
-        return _others(self.events)
+        return len({*self.events} - {UNKNOWN}) or len({*self.events})
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
         """Return a mask (motions, bodies): True unless all directions of the record or pair are in `left_out`."""
@@ -97,11 +97,6 @@ class Motions:
         low, high = probability_interval(of_events, self.event_counts(kept & ~np.isnan(known)))
         tables = (value, low, high, least, most, unknown)
         return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
-
-
-def _others(events: list[str]) -> int:
-    """Return the number of different earthquakes, without unknown ones; 1 if all are unknown."""
-    return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
 #: A margin is computed for each body, for each block with its worst restitution, or for each motion with its worst

@@ -172,21 +172,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     >>> bool(read["factor_10"][0] < read["factor_50"][0])
     True
     """
-    level = spectrum["level"].values
-    capacity, probability = _at_blocks(spectrum, block)
-    fitted = rising(probability)
-    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
-    return {
-        "overturning_probability": np.array(at_one),
-        "factor_10": factor_at(0.1, level, fitted) * capacity,
-        "factor_50": factor_at(0.5, level, fitted) * capacity,
-        "factor_mean": capacity,
-    }
-
-
-def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean capacities (blocks,), and probabilities (blocks, levels) at `level` times the mean capacity."""
-    block = block.lanes()
+    block, level = block.lanes(), spectrum["level"].values
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
     if not np.all(inside):
@@ -197,7 +183,15 @@ def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarr
         )
     speed = block.gravity * np.tan(block.alpha_c) / block.p
     capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))
-    return capacity, at_blocks(block, *axes, spectrum["probability"].values)
+    probability = at_blocks(block, *axes, spectrum["probability"].values)  # at `level` times the mean capacity
+    fitted = rising(probability)
+    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
+    return {
+        "overturning_probability": np.array(at_one),
+        "factor_10": factor_at(0.1, level, fitted) * capacity,
+        "factor_50": factor_at(0.5, level, fitted) * capacity,
+        "factor_mean": capacity,
+    }
 
 
 #: Default frequency parameters [1/s] (R from 7.4 m to 0.2 m) and critical angles [rad] (slenderness from 20 to 2.4).

@@ -24,8 +24,8 @@ class _List(argparse.Action):
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
     from rockpulse.views.plots.drawing import plot
-    from rockpulse.views.plots.picture import picture_bytes
     from rockpulse.views.plots.picture_kinds import OPTIONS
+    from rockpulse.views.plots.style import picture_bytes
 
     target = check_file(args.output, args.overwrite, (".svg", ".png", ".pdf"))
     options = {name: getattr(args, name) for name in OPTIONS}

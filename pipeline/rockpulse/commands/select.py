@@ -17,9 +17,8 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import table_csv
     from rockpulse.studies.selection.selection import select
-    from rockpulse.views.plots.picture import picture_bytes
-    from rockpulse.views.plots.selected_spectra import selected_spectra
-    from rockpulse.views.plots.style import whole_figure
+    from rockpulse.views.plots.spectra import selected_spectra
+    from rockpulse.views.plots.style import picture_bytes, whole_figure
     from rockpulse.views.shared.files_used import failure_rows, files_used
     from rockpulse.views.shared.words import writing
     from rockpulse.views.text.left_out import rows_not_used

@@ -241,9 +241,8 @@ class BlockSettings(Section):
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
             )
         if not self.confirm_size and (doubt := _doubt(self)):
-            raise ConfigError(
-                f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]", Remedy("confirm_size")
-            )
+            remedy = Remedy("confirm_size")
+            raise ConfigError(f"{self.where}: {doubt}, or {remedy.advice()}", remedy)
 
     @property
     def initial_period(self) -> float:

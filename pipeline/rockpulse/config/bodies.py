@@ -142,7 +142,8 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
             )
 
     facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
-    ties = {name: ties_of(block.lanes().lane(0)) for name, block in single.items()}
+    held = {name: block.lanes().lane(0).restraints for name, block in single.items()}
+    ties = {name: own.ties if isinstance(own, Restraints) else () for name, own in held.items()}
     warned = {
         name: with_codes(
             [*block.warnings, *(_heavy(given[name], block) if name in given else []), *_unlimited(ties[name])]
@@ -200,11 +201,6 @@ def _rectangles(bodies: Sequence[BlockSettings]) -> Block | None:
     pairs = zip(np.asarray(block.p), np.asarray(block.alpha_c), strict=True)
     most = np.array([most_restitution(p, alpha, None, block.gravity) for p, alpha in pairs])
     return block.changed(restitution=most, restitution_2=most)
-
-
-def ties_of(block: Block) -> tuple[Tie, ...]:
-    """Return the ties of a single block."""
-    return block.restraints.ties if isinstance(block.restraints, Restraints) else ()
 
 
 def _unlimited(ties: Sequence[Tie]) -> list[str]:

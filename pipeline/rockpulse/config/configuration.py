@@ -378,19 +378,17 @@ def _as_toml(heading: str, values: Mapping[str, Any]) -> str:
     return "\n".join([*lines, "", *inner])
 
 
+#: TOML escapes of the characters that a text in quotes cannot contain.
+_ESCAPES = {code: f"\\u{code:04x}" for code in (*range(32), 127)} | {ord(sign): f"\\{sign}" for sign in '"\\'}
+
+
 def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return '"' + "".join(map(_character, value)) + '"'
+        return f'"{value.translate(_ESCAPES)}"'
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_value, value)) + "]"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{name} = {_value(one)}" for name, one in value.items()) + "}"
     return repr(value)
-
-
-def _character(character: str) -> str:
-    if character in '"\\':
-        return f"\\{character}"
-    return character if character >= " " and character != "\x7f" else f"\\u{ord(character):04x}"

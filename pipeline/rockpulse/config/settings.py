@@ -290,10 +290,11 @@ class DemandSettings(Section):
         if not self.confirm_value and in_si > measure.usual:
             _, unit, factor = measure.column
             found, usual = f"{measure.title} of {in_si / factor:.3g} {unit}", f"{measure.usual / factor:g} {unit}"
+            remedy = Remedy("confirm_value")
             raise ConfigError(
                 f"{self.where} value: {found} is accepted only if confirmed, as demands above {usual} are rare: check "
-                "the number and its unit, or give a [[demand]] with confirm_value = true",
-                Remedy("confirm_value"),
+                f"the number and its unit, or {remedy.advice()}",
+                remedy,
             )
         object.__setattr__(self, "name", self.name or f"{measure.title} {shown}")
         object.__setattr__(self, "value", in_si)

@@ -28,17 +28,16 @@ _SAMPLES = ("data", "samples", "values", "signal", "x", "y", "arr_0")
 
 def text_tables(file: SourceFile) -> list[SourceFile] | None:
     """Return the tables of a workbook, or of a MATLAB or numpy file, as text; None for other files."""
-    suffix, head = file.path.suffix.lower(), file.head
-    reader: Callable[[SourceFile], Iterable[str]] | None = None
-    if head.startswith(b"\x93NUMPY") or (head.startswith(b"PK") and suffix == ".npz"):
-        reader = _numpy
-    elif head.startswith(b"PK") and suffix in _WORKBOOKS:
-        reader = _workbook
+    suffix, packed = file.path.suffix.lower(), file.head.startswith(b"PK")
+    if file.head.startswith(b"\x93NUMPY") or (packed and suffix == ".npz"):
+        found = _numpy(file)
+    elif packed and suffix in _WORKBOOKS:
+        found = _workbook(file)
     elif suffix == ".mat":
-        reader = _matlab
-    if reader is None:
+        found = _matlab(file)
+    else:
         return None
-    texts = [text.encode() for text in reader(file)]
+    texts = [text.encode() for text in found]
     return [replace(file, head=text[:HEAD], load=lambda text=text: text) for text in texts]  # type: ignore[misc]
 
 
@@ -53,10 +52,8 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
             faults.append(fault)
     if not records:
         named = [fault for fault in faults if not isinstance(fault, Unrecognised)]
-        beside = (
-            f"{file.name}: no columns of samples in the file; it is treated as a table that accompanies the records"
-        )
-        raise (named or [TableOfResults(beside)])[0]
+        beside = "no columns of samples in the file; it is treated as a table that accompanies the records"
+        raise (named or [TableOfResults(f"{file.name}: {beside}")])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 
 

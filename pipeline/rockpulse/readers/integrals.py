@@ -2,13 +2,13 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import PurePath
 
 import numpy as np
 
 from rockpulse.errors import Failure
-from rockpulse.record.record import Record
+from rockpulse.record.record import Record, of_kind
 
 _POINTS, _FEWEST = 128, 50  # number of samples that are compared, and smallest number of samples of a file
 _BLOCK = 64  # number of files that are compared with all others at once
@@ -30,8 +30,7 @@ def with_slopes(record: Record) -> Record:
     at = np.linspace(1, record.npts - 2, _POINTS).astype(int)
     samples = record.acceleration
     slopes = (samples[at + 1] - samples[at - 1]) / (2.0 * record.dt)
-    known = {item.name: getattr(record, item.name) for item in fields(record)}
-    return ColumnRecord(**known, values=tuple(samples[at].tolist()), slopes=tuple(slopes.tolist()))
+    return of_kind(ColumnRecord, record, values=tuple(samples[at].tolist()), slopes=tuple(slopes.tolist()))
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:

@@ -4,7 +4,7 @@ import hashlib
 import re
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
 
@@ -16,7 +16,7 @@ from rockpulse.readers.integrals import without_integrals
 from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
+from rockpulse.record.record import BETWEEN, Record, distinct_ids, of_kind, record_id
 from rockpulse.warning_text import WarningText, code_of, find
 
 _NEVER = datetime.max.replace(tzinfo=UTC)
@@ -50,11 +50,14 @@ class PartRule:
         for record in records:
             first_time = times[record.component]
             start = later(record.start_time, first_time)
-            codes = (record.network, record.station, record.location, record.channel)
-            known = {item.name: getattr(record, item.name) for item in fields(record)}
-            known |= {"start_time": start, "id": record_id(*codes, start, file.path.stem, 1)}
-            parts.append(Part(**known, whole=name[1], part=int(name[2]), first_time=first_time).with_warning(note))
+            of_part = {"whole": name[1], "part": int(name[2]), "first_time": first_time}
+            part = of_kind(Part, record, start_time=start, id=_id(record, start, file.path.stem), **of_part)
+            parts.append(part.with_warning(note))
         return parts
+
+
+def _id(record: Record, start: datetime | None, stem: str) -> str:
+    return record_id(record.network, record.station, record.location, record.channel, start, stem, 1)
 
 
 def sample_digest(record: Record) -> str:
@@ -83,11 +86,8 @@ def settled(
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
     kept = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
     named = distinct_ids(kept)
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [
-        *duplicates,
-        *integrals,
-        *unlike,
-    ]
+    pieces_of = [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)]
+    return pieces_of, [*duplicates, *integrals, *unlike]
 
 
 def _place(record: Record) -> tuple[str, str]:
@@ -163,12 +163,16 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
         else:
             channels[_channel(record)].append(record)
     for chain in (chain for one in channels.values() for chain in _chains(one)):
-        result.append((chain[0] if len(chain) == 1 else _continued(chain), tuple(chain)))
+        step = f"{len(chain)} files of one channel joined, each begins where one ends"
+        result.append((chain[0] if len(chain) == 1 else _joined(chain, chain[0].id, step), tuple(chain)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
         fault = _fault(parts)
         if len(parts) > 1 and not fault:
-            result += [(_joined(pieces), pieces) for pieces in zip(*parts, strict=True)]
+            step = f"parts {', '.join(str(part[0].part) for part in parts)} joined"
+            for pieces in zip(*parts, strict=True):
+                name = _id(pieces[0], pieces[0].start_time, pieces[0].whole)
+                result.append((_joined(pieces, name, step), pieces))
         else:
             result += [(piece.with_warning(fault) if fault else piece, (piece,)) for part in parts for piece in part]
     return result
@@ -177,16 +181,9 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 def _channel(record: Record) -> tuple[object, ...]:
     """Return the properties that all parts of one channel share, such as the codes of the channel."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
-    facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
-    return (
-        *codes,
-        *facing,
-        record.format,
-        record.source_unit,
-        record.unit_factor,
-        record.processed,
-        f"{record.dt:.6g}",
-    )
+    unit, numbers = (record.source_unit, record.unit_factor), (record.azimuth, record.sensor_depth, record.dt)
+    words = (record.component, record.orientation, record.format, record.processed)
+    return (*codes, *unit, *words, *(f"{number:g}" for number in numbers))
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
@@ -200,20 +197,6 @@ def _chains(records: Sequence[Record]) -> list[list[Record]]:
         else:
             chains.append([record])
     return chains
-
-
-def _continued(pieces: Sequence[Record]) -> Record:
-    """Join records of one channel that follow each other; the metadata are taken from the first record."""
-    notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
-    return replace(
-        pieces[0],
-        acceleration=np.concatenate([piece.acceleration for piece in pieces]),
-        source=BETWEEN.join(piece.source for piece in pieces),
-        source_sha256=BETWEEN.join(piece.source_sha256 for piece in pieces),
-        header_peak=float(np.fmax.reduce([piece.header_peak for piece in pieces])),
-        warnings=tuple(notes),
-        processing=(*pieces[0].processing, f"{len(pieces)} files of one channel joined, each begins where one ends"),
-    )
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:
@@ -237,18 +220,18 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
     return ""
 
 
-def _joined(pieces: Sequence[Part]) -> Record:
-    """Join the parts of one channel; the metadata are taken from the first part."""
+def _joined(pieces: Sequence[Record], name: str, step: str) -> Record:
+    """Join the pieces of one channel to a record with the id `name`; other metadata are those of the first piece."""
     first = pieces[0]
-    codes = (first.network, first.station, first.location, first.channel)
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if code_of(note) != "part_of_record")
-    return replace(
-        Record(**{item.name: getattr(first, item.name) for item in fields(Record)}),
+    return of_kind(
+        Record,
+        first,
         acceleration=np.concatenate([piece.acceleration for piece in pieces]),
-        id=record_id(*codes, first.start_time, first.whole, 1),
+        id=name,
         source=BETWEEN.join(piece.source for piece in pieces),
         source_sha256=BETWEEN.join(piece.source_sha256 for piece in pieces),
         header_peak=float(np.fmax.reduce([piece.header_peak for piece in pieces])),
         warnings=tuple(notes),
-        processing=(f"parts {', '.join(str(piece.part) for piece in pieces)} joined",),
+        processing=(*first.processing, step),
     )

@@ -12,26 +12,12 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record, largest
 from rockpulse.warning_text import WarningText, code_of, find, has_warning
 
 #: Codes of the warnings on defects.
-DEFECTS = (
-    "dead_channel",
-    "noise_only",
-    "held_value",
-    "filled_gap",
-    "repeated_samples",
-    "repeated_block",
-    "spike",
-    "starts_strong",
-    "ends_strong",
-    "coarse_sampling",
-    "velocity_drift",
-    "twin_differs",
-    "components_apart",
-    "interval_apart",
-    "may_be_vertical",
-    "length_differs",
-    "same_samples",
-    "same_direction",
+_CODES = (
+    "dead_channel noise_only held_value filled_gap repeated_samples repeated_block spike starts_strong ends_strong "
+    "coarse_sampling velocity_drift twin_differs components_apart interval_apart may_be_vertical length_differs "
+    "same_samples same_direction"
 )
+DEFECTS = tuple(_CODES.split())
 #: Number of samples that are processed at once, to save memory.
 AT_ONCE = 2**18
 #: Shortest record that is checked for all defects [samples]; shorter records are only checked for equal samples.

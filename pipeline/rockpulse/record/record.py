@@ -9,7 +9,7 @@ from datetime import datetime
 from fnmatch import fnmatchcase
 from functools import lru_cache
 from itertools import chain, count
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 from unicodedata import normalize
 
 import numpy as np
@@ -24,23 +24,12 @@ BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
 #: Fields whose strings many records of a batch have in common.
-SHARED = frozenset(
-    (
-        "network",
-        "channel",
-        "component",
-        "orientation",
-        "format",
-        "source_unit",
-        "event",
-        "event_id",
-        "magnitude_type",
-        "stage",
-    )
-)
+_SHARED = "network channel component orientation format source_unit event event_id magnitude_type stage"
+SHARED = frozenset(_SHARED.split())
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 Stage = Literal["read", "checked", "conditioned"]
+Kind = TypeVar("Kind", bound="Record")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -298,6 +287,11 @@ def record_id(
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
     return re.sub(r"[^\w.@~-]", "_", normalize("NFC", text))
+
+
+def of_kind(kind: type[Kind], record: Record, **changes: Any) -> Kind:
+    """Return a record as an instance of a subclass of :class:`Record`, or of `Record` itself, with changed fields."""
+    return kind(**{item.name: getattr(record, item.name) for item in fields(Record)} | changes)
 
 
 def id_matches(name: str, patterns: Iterable[str]) -> bool:

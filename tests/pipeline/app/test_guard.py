@@ -1,6 +1,8 @@
 """Only the browser window that was opened with the address gets an answer."""
 
 import http.client
+import socket
+import time
 
 import pytest
 from app_page import served
@@ -43,7 +45,7 @@ def test_the_token_of_the_address_becomes_a_cookie(page):
     assert answer(page, "/?token=guess", cookie=False).status == 403
     entered = answer(page, f"/?token={page.token}", cookie=False)
     assert (entered.status, entered.getheader("location")) == (303, "/")
-    assert {"HttpOnly", "SameSite=Strict"} <= set(entered.getheader("set-cookie").split("; "))
+    assert {"HttpOnly", "SameSite=strict"} <= set(entered.getheader("set-cookie").split("; "))
     inside = answer(page)
     assert inside.status == 200
     assert "default-src 'self'" in inside.getheader("content-security-policy")
@@ -82,3 +84,16 @@ def test_uploads_are_bounded(page):
 @pytest.mark.parametrize("name", ["../secret.txt", "..%2Fsecret.txt", "records", "site.toml.bak", "%2Fetc%2Fpasswd"])
 def test_only_files_of_the_project_are_sent(page, name):
     assert answer(page, f"/files/{name}").status == 404
+
+
+def test_requests_that_the_browser_cuts_off_leave_no_file_and_no_traceback(page):
+    """The program would print the traceback, which the end of `served` refuses."""
+    host = f"Host: 127.0.0.1:{page.port}\r\nCookie: rockpulse{page.port}={page.token}\r\n"
+    asked = [f"POST /upload?name=a.zip HTTP/1.1\r\n{host}Content-Length: 100\r\n\r\npart"]
+    asked += [f"GET /files/site.toml HTTP/1.1\r\n{host}\r\n"] * 20
+    for request in asked:
+        with socket.create_connection(("127.0.0.1", page.port)) as cut:
+            cut.sendall(request.encode())
+            time.sleep(0.02 if "POST" in request else 0.0)
+    assert answer(page).status == 200
+    assert [path for path in (page.folder / "records").iterdir() if path.is_file()] == []

@@ -149,10 +149,12 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
             window.wait(lambda: len(window.find("#records tbody tr")) >= 10)
             shown.append(perf_counter() - begin)
             window.says("records", "200 channels, 200 earthquakes", "Not used (200)")
-            assert len(window.find("#records .left.failed")) == 20
+            assert len(window.find("#records .left.failed")) == 10
             ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
-    assert min(shown) < 4.0  # 1.3 s on two cores with nothing else to do
+    # On a quiet machine with two cores the first window needs less than 2 s, a later one 0.5 s; CI may be slower.
+    assert shown[0] < 5.0
+    assert min(shown) < 2.0
     assert sorted(ordered)[4] < 200.0
 
 
@@ -234,7 +236,8 @@ def test_a_run_is_cancelled_and_ends_with_the_server(browser, samples, tmp_path)
 
 
 def test_a_second_window_follows_the_first(browser, tmp_path):
-    (tmp_path / "site.toml").write_text('[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n')
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
+    (tmp_path / "site.toml").write_text(f'[site]\npga = "0.35 g"\n{block}')
     with served(tmp_path) as page:
         first = Window(browser, page).open()
         one = browser.current_window_handle
@@ -260,7 +263,10 @@ def test_a_second_window_follows_the_first(browser, tmp_path):
         first.wait(lambda: "ultimate elongation" not in first.text("bodies"))
         first.click('#bodies button[aria-label="Remove this body"]')
         first.wait(lambda: first.find(".body-row") == [])
-    assert "[[block]]" not in (tmp_path / "site.toml").read_text()
+        assert first.field("site", "value").get_attribute("value") == "0.35"
+    written = (tmp_path / "site.toml").read_text()
+    assert "[[block]]" not in written
+    assert 'pga = "0.35 g"' in written  # as it was given
     assert "wall" in (tmp_path / "site.toml.bak").read_text()
 
 

@@ -126,7 +126,9 @@ def test_the_error_of_a_body_names_its_key():
     fault = body_error({"name": "wall", "width": "wide", "height": 2.4})
     assert str(fault).startswith('[[block]] "wall" width: expected')
     assert not fault.remedies
-    assert [one.key for one in body_error({"name": "wall", "width": 550, "height": 2.4}).remedies] == ["confirm_size"]
+    large = body_error({"name": "wall", "width": 550, "height": 2.4})
+    assert [one.key for one in large.remedies] == ["confirm_size"]
+    assert str(large).endswith(large.remedies[0].advice())
 
 
 def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
@@ -137,6 +139,8 @@ def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
     assert rp.load_hazard(tmp_path / "hazard.csv").rate(0.4 * 9.80665) == pytest.approx(0.0005)
     with pytest.raises(ConfigError, match=r"^levels\.csv"):
         project.set_hazard("levels.csv", b"level,rate\n")
+    assert (tmp_path / "hazard.csv").read_bytes().startswith(b"pga [g],rate")  # the good one stays
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["hazard.csv", "site.toml"]
 
 
 def test_results_are_current_until_a_record_is_removed_and_damaged_ones_never_are(tmp_path):
@@ -153,6 +157,16 @@ def test_results_are_current_until_a_record_is_removed_and_damaged_ones_never_ar
     assert project.outdated
     os.utime(records, (before, before))
     assert not project.outdated
+    table = tmp_path / "selection.csv"
+    table.write_text("record,factor\n")
+    project.document["demand"] = [{"selection": table.name}]
+    assert project.save() == ""
+    tree.attrs["configuration"] = project.config().as_text()
+    rp.save(tree, results, overwrite=True)
+    os.utime(table, (before, before))
+    assert not project.outdated
+    os.utime(table)
+    assert project.outdated
     results.write_bytes(b"damaged")
     assert project.outdated
     assert project.rejected() == []

@@ -48,6 +48,23 @@ def test_a_fault_is_shown_or_raised_if_there_is_no_window(window):
         asyncio.run(window.handler(fail)())
 
 
+def test_commands_follow_each_other_also_without_a_window(window):
+    asked = []
+
+    async def run(arguments):
+        asked.append(arguments[0])
+        window.client.is_deleted = True
+        return 0
+
+    async def work():
+        await window.run("fragility", "--quiet")
+        await window.run("risk", "--quiet")
+
+    window.project.command.run = run
+    asyncio.run(window.handler(work)())
+    assert asked == ["fragility", "risk"]
+
+
 @pytest.mark.parametrize(
     ("document", "words"),
     [

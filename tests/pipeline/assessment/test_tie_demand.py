@@ -7,8 +7,7 @@ import rockpulse as rp
 from rocking import recorded_response
 from rocking.body.restraint import TieState
 from rockpulse.assessment.answers import answers_of
-from rockpulse.assessment.tie_demand import tie_findings
-from rockpulse.assessment.verdict import verdicts
+from rockpulse.assessment.verdict import tie_findings, verdicts
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.shared.words import writing
 from rockpulse.views.text.overview import overview

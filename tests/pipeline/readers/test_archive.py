@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from source_files import ONE, TWO, VELOCITY, ids, make_zip
+from source_files import ONE, TWO, VELOCITY, ids, make_zip, raises_if
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import archive, source
@@ -14,17 +14,8 @@ from rockpulse.readers.folders import read_all
 
 
 def test_an_archive_is_read_without_unpacking(tmp_path, monkeypatch):
-    path = make_zip(
-        tmp_path / "all.zip",
-        **{
-            "b.AT2": ONE,
-            "sub__a.AT2": TWO,
-            "sub__a.VT2": VELOCITY,
-            "README.md": b"x",
-            ".hidden": ONE,
-            "n.txt": b"text",
-        },
-    )
+    files = {"b.AT2": ONE, "sub__a.AT2": TWO, "sub__a.VT2": VELOCITY, "README.md": b"x", ".hidden": ONE, "n.txt": b"t"}
+    path = make_zip(tmp_path / "all.zip", **files)
     before = sorted(tmp_path.rglob("*"))
     records, failures = read_all(path)
     assert [record.source for record in records] == [f"{path}!b.AT2", f"{path}!sub/a.AT2"]
@@ -39,10 +30,7 @@ def test_an_archive_is_read_without_unpacking(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["../up.AT2", "/etc/abs.AT2", "a/../../up.AT2", "C:/win.AT2", "..\\up.AT2"])
 def test_a_member_whose_name_leaves_the_archive_is_refused(tmp_path, name):
-    with zipfile.ZipFile(tmp_path / "all.zip", "w") as target:
-        target.writestr(name, ONE)
-        target.writestr("good.AT2", TWO)
-    records, (failure,) = read_all(tmp_path / "all.zip")
+    records, (failure,) = read_all(make_zip(tmp_path / "all.zip", **{name: ONE, "good.AT2": TWO}))
     assert ids(records) == ["good.090"]
     assert failure.kind == "failed"
     assert "points to a folder outside the archive" in failure.reason
@@ -51,12 +39,9 @@ def test_a_member_whose_name_leaves_the_archive_is_refused(tmp_path, name):
 @pytest.mark.parametrize("first", ["[Content_Types].xml", "mimetype"])
 def test_an_office_document_is_no_archive_of_records(tmp_path, first):
     (tmp_path / "b.AT2").write_bytes(TWO)
-    with zipfile.ZipFile(tmp_path / "list.xlsx", "w") as target:
-        target.writestr(first, "x")
-        target.writestr("a.AT2", ONE)
-    records, failures = read_all(tmp_path)
+    make_zip(tmp_path / "list.xlsx", **{first: "x", "a.AT2": ONE})
+    records, (failure,) = read_all(tmp_path)
     assert ids(records) == ["b.090"]
-    (failure,) = failures
     assert (failure.file, failure.kind) == (str(tmp_path / "list.xlsx"), "failed")
     assert "it is a spreadsheet: save it as CSV" in failure.reason
 
@@ -90,11 +75,7 @@ def test_members_that_share_their_bytes_are_refused(tmp_path):
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04 and more", gzip.compress(ONE), bytes(257) + b"ustar" + bytes(200)])
 def test_an_archive_in_an_archive_is_known_whatever_its_name(tmp_path, content):
-    path = tmp_path / "all.zip"
-    with zipfile.ZipFile(path, "w") as target:
-        target.writestr("inner.AT2", content)
-        target.writestr("good.AT2", TWO)
-    records, (failure,) = read_all(path)
+    records, (failure,) = read_all(make_zip(tmp_path / "all.zip", **{"inner.AT2": content, "good.AT2": TWO}))
     assert ids(records) == ["good.090"]
     assert "inside the archive; unpack the outer one first" in failure.reason
 
@@ -144,10 +125,7 @@ def entry(name="a.AT2", offset=0, packed=10, size=10):
     ],
 )
 def test_the_directory_of_an_archive_is_looked_at_before_its_members(entries, message):
-    if not message:
-        archive._check_entries("a.zip", entries)
-        return
-    with pytest.raises(RecordRefused, match=f"a.zip: .*{message}"):
+    with raises_if(message, RecordRefused, f"a.zip: .*{message}"):
         archive._check_entries("a.zip", entries)
 
 
@@ -155,11 +133,7 @@ def test_an_archive_is_known_by_its_name_or_its_first_bytes(tmp_path):
     packed = make_zip(tmp_path / "a.bin", **{"a.AT2": ONE})
     for name in ("b.ZIP", "b.txt"):
         (tmp_path / name).write_bytes(ONE)
-    assert [archive.is_archive(path) for path in (packed, tmp_path / "b.ZIP", tmp_path / "b.txt")] == [
-        True,
-        True,
-        False,
-    ]
+    assert list(map(archive.is_archive, (packed, tmp_path / "b.ZIP", tmp_path / "b.txt"))) == [True, True, False]
 
 
 def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path):
@@ -189,9 +163,7 @@ def test_what_stands_beside_a_member_in_its_folder(tmp_path):
 def test_a_member_of_the_largest_size_and_ratio_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr(archive, "FILE_LIMIT", len(ONE))
     monkeypatch.setattr(archive, "RATIO_LIMIT", 1)
-    path = tmp_path / "all.zip"
-    with zipfile.ZipFile(path, "w") as target:
-        target.writestr("a.AT2", ONE)
+    path = make_zip(tmp_path / "all.zip", zipfile.ZIP_STORED, **{"a.AT2": ONE})
     with archive.Archive(path) as opened:
         assert opened.member(0).content == ONE
 

@@ -3,7 +3,6 @@
 import gzip
 import hashlib
 import os
-import zipfile
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -220,8 +219,7 @@ def test_a_folder_that_cannot_be_listed_is_a_row(folder, monkeypatch):
 
 def test_nothing_found_is_a_failure_not_silence(folder):
     (folder / "empty").mkdir()
-    with zipfile.ZipFile(folder / "empty.zip", "w"):
-        pass
+    make_zip(folder / "empty.zip")
     paths = [str(folder / "*.V9"), str(folder / "empty"), str(folder / "empty.zip")]
     records, failures = read_all(paths)
     assert records == []
@@ -326,6 +324,7 @@ def test_an_unknown_unit_is_the_caller_s_mistake(folder):
 
 PLAIN = Record([0.0, 1.0, 0.0], 0.01, "a.1", source="m", channel="1", component="x")
 TIME = datetime(2011, 3, 11, tzinfo=UTC)
+ALONG_90 = {"orientation": "horizontal", "azimuth": 90.0}
 
 
 @pytest.mark.parametrize(
@@ -361,14 +360,8 @@ def test_of_equal_motions_the_one_stays_that_knows_most(known):
         ({"orientation": "vertical"}, {"component": "y", "orientation": "horizontal"}, 2),
         ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal"}, 1),
         ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal", "azimuth": 0.0}, 2),
-        *[
-            (
-                {"orientation": "horizontal", "azimuth": 90.0},
-                {"component": "y", "orientation": "horizontal", "azimuth": a},
-                k,
-            )
-            for a, k in ((90.0, 1), (0.0, 2))
-        ],
+        (ALONG_90, {"component": "y", **ALONG_90}, 1),
+        (ALONG_90, {"component": "y", **ALONG_90, "azimuth": 0.0}, 2),
         ({"warnings": (WarningText("dead_channel"),)}, {"component": "y"}, 2),
         ({}, {"component": "y", "warnings": (WarningText("dead_channel"),)}, 2),
     ],

@@ -21,8 +21,18 @@ def catalogue(template):
     return "".join(template.format(name=name, k=k, x=k / 7.0) for k, name in enumerate(names))
 
 
-def rows(template):
-    return "".join(template.format(t=0.01 * k, a=a) for k, a in enumerate(VALUES))
+def rows(template, count=None):
+    return "".join(template.format(t=0.01 * k, a=a) for k, a in enumerate(VALUES[:count]))
+
+
+#: Contents that may be a record; one row, word or digit less, and they are none.
+HALF = "0.1234 0.5678 0.9\nsome words here about it\n" * 9
+AS_MANY_DIGITS = ("0.123456789 " * 11 + "\n") * 2 + ("a" * 44 + "\n") * 5
+CODED = "WID2 2019/07/06 03:19:53.000 CCC   HNE      CM6    12000  100.000000\nDAT2\n" + "KJkVkOkHkJ\n" * 90
+
+
+def in_turn(channels):
+    return "".join(f"HN{letter} 0.1234567 0.7654321\n" for letter in "ENZXY"[:channels]) * 5
 
 
 @pytest.mark.parametrize(
@@ -48,6 +58,12 @@ def rows(template):
         "\u0660\u0661 \u0662\u0663\n" * 50,  # digits of another script
         bytes(range(256)),
         b"\x01\x02abc def ghi",
+        PROSE * 40 + rows("{t:.2f} {a:.2f} {a:.3f}\n", 10) + PROSE * 40,  # ten rows together
+        "0.5\n" * 20,  # forty groups of digits
+        HALF,
+        AS_MANY_DIGITS,
+        in_turn(4),
+        CODED,
     ],
 )
 def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(content):
@@ -88,41 +104,16 @@ def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(conten
         ("guide.pdf", b"%PDF-1.4\x00\x01"),
         ("plot.png", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"),
         ("station.xml", "<a>\n<b>text</b>\n</a>\n"),
+        ("a.txt", PROSE * 40 + rows("{t:.2f} {a:.2f} {a:.3f}\n", 9) + PROSE * 40),
+        ("a.txt", "0.5\n" * 19 + "7\n"),
+        ("a.txt", HALF + "some words here about it\n"),
+        ("a.txt", AS_MANY_DIGITS + "b"),
+        ("a.txt", in_turn(5)),
+        ("a.txt", CODED.replace("WID2", "what")),
     ],
 )
 def test_texts_tables_and_pictures_are_no_records(name, content):
     assert not may_be_record(opened(name, content))
-
-
-@pytest.mark.parametrize(("count", "known"), [(9, False), (10, True)])
-def test_ten_rows_of_numbers_in_a_row_may_be_a_record_among_words(count, known):
-    content = (
-        PROSE * 40 + "".join(f"{0.01 * k:.2f} {a:.2f} {a:.3f}\n" for k, a in enumerate(VALUES[:count])) + PROSE * 40
-    )
-    assert may_be_record(opened("a.txt", content)) is known
-
-
-def test_forty_groups_of_digits_are_no_mere_handful():
-    assert may_be_record(opened("a.txt", "0.5\n" * 20))
-    assert not may_be_record(opened("a.txt", "0.5\n" * 19 + "7\n"))
-
-
-def test_rows_of_numbers_that_are_half_of_all_may_be_a_record():
-    half = "0.1234 0.5678 0.9\nsome words here about it\n" * 9
-    assert may_be_record(opened("a.txt", half))
-    assert not may_be_record(opened("a.txt", half + "some words here about it\n"))
-
-
-def test_rows_of_as_many_digits_as_there_are_letters_may_be_a_record():
-    content = ("0.123456789 " * 11 + "\n") * 2 + ("a" * 44 + "\n") * 5
-    assert may_be_record(opened("a.txt", content))
-    assert not may_be_record(opened("a.txt", content + "b"))
-
-
-@pytest.mark.parametrize(("channels", "known"), [(4, True), (5, False)])
-def test_rows_of_up_to_four_channels_in_turn_may_be_a_record(channels, known):
-    codes = ["HNE", "HNN", "HNZ", "HNX", "HNY"][:channels]
-    assert may_be_record(opened("a.txt", "".join(f"{code} 0.1234567 0.7654321\n" for code in codes) * 5)) is known
 
 
 def test_what_is_passed_over_without_a_row():
@@ -153,12 +144,6 @@ def test_the_suffix_of_a_record_or_a_spreadsheet_speaks_for_one(name):
 def test_a_spreadsheet_is_to_be_saved_as_csv(name):
     assert "save it as CSV" in advice(opened(name, b"\xd0\xcf\x11\xe0"))
     assert "CSV" not in advice(opened("a.txt", "1"))
-
-
-def test_a_text_of_coded_samples_may_be_a_record():
-    coded = "WID2 2019/07/06 03:19:53.000 CCC   HNE      CM6    12000  100.000000\nDAT2\n" + "KJkVkOkHkJ\n" * 90
-    assert may_be_record(opened("a.txt", coded))
-    assert not may_be_record(opened("a.txt", coded.replace("WID2", "what")))
 
 
 @pytest.mark.sweep

@@ -21,24 +21,9 @@ if MANIFEST and MANIFEST.is_file():
         ROWS = list(csv.DictReader(stream, delimiter="\t"))
 
 #: The reader of each folder.
-READERS = {
-    name: name
-    for name in [
-        "at2",
-        "bhrc",
-        "columns",
-        "cosmos",
-        "csmip_v1",
-        "csmip_v2",
-        "csmip_v3",
-        "cwb",
-        "geonet",
-        "renadic",
-        "sac",
-        "smc",
-    ]
-}
-READERS |= {"usc_v1": "usc_v1", "usc_v2": "usc_v2", "dyna_asc": "dyna", "dyna_asc_afad": "dyna", "afad_nsmn": "nsmn"}
+OF_THEIR_NAME = "at2 bhrc columns cosmos csmip_v1 csmip_v2 csmip_v3 cwb geonet renadic sac smc usc_v1 usc_v2"
+READERS = {name: name for name in OF_THEIR_NAME.split()}
+READERS |= {"dyna_asc": "dyna", "dyna_asc_afad": "dyna", "afad_nsmn": "nsmn"}
 READERS |= {"sigma_itaca": "sigma", "unam_asa": "asa"}
 READERS |= dict.fromkeys(("mseed_clipped", "mseed_xml", "tricky_obspy"), "miniseed")
 

@@ -4,7 +4,6 @@ import gzip
 import hashlib
 import io
 import tarfile
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,13 +12,12 @@ import numpy as np
 import pytest
 from make_format_samples import FORMATS as SAMPLES
 from make_format_samples import format_samples, read_options
-from record_writers import at2, pulse
+from source_files import ONE, make_zip
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read, source
 from rockpulse.readers.folders import read_all
 
-ONE = at2(pulse())
 OPTIONS = read_options()
 TEXTS = {name: text for name, text in format_samples(150).items() if b"\0" not in text and not name.endswith(".xml")}
 
@@ -99,8 +97,7 @@ def test_what_is_compressed_as_many_times_as_the_limit_says_is_read():
 
 
 def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
-    with zipfile.ZipFile(tmp_path / "a.zip", "w") as target:
-        target.writestr("a.AT2", ONE)
+    make_zip(tmp_path / "a.zip", **{"a.AT2": ONE})
     for given in (tmp_path / "a.zip", (tmp_path / "a.zip").open("rb")):
         with pytest.raises(RecordRefused, match=r"a.zip: a zip archive .*rockpulse.read_all, .*assess"):
             read(given)
@@ -139,32 +136,28 @@ def test_an_open_file_finds_the_station_file_beside_it():
         read(io.BytesIO((SAMPLES / "CI.CLC.mseed").read_bytes()))
 
 
-def test_a_series_without_words_that_repeats_itself_is_no_copy():
-    def half(content):
-        return source.SourceFile("x.txt", content[:10], lambda: content).first_half()
-
-    assert half(b"1.0 2.0 3.0\n" * 2) is None
-    assert half(b"Acceleration\n1.0 2.0 3.0\n" * 2).content == b"Acceleration\n1.0 2.0 3.0\n"
-    assert half(b"Acceleration\n1.0 2.0 3.0\nAcceleration\n1.0 2.0 3.1\n") is None
+WORDS, LONG = b"Acceleration\n1.0 2.0 3.0\n", b"Acceleration\n" + b"1.0 2.0 3.0\n" * 6000  # more than a head
+LATE = [b"1" * begin + b"abc" + b" 2" * 800 for begin in (0, 997, 998)]
 
 
-@pytest.mark.parametrize(("begin", "copy"), [(0, True), (997, True), (998, False)])
-def test_a_word_among_the_first_thousand_bytes_tells_a_header(begin, copy):
-    half = b"1" * begin + b"abc" + b" 2" * 800
-    found = source.SourceFile("x.txt", half[:10], lambda: 2 * half).first_half()
-    assert (None if found is None else (found.head, found.content)) == ((half, half) if copy else None)
-
-
-def test_a_copy_is_one_to_the_last_byte():
-    half = b"Acceleration\n" + b"1.0 2.0 3.0\n" * 6000  # more than the head of a file
-
-    def found(content):
-        return source.SourceFile("x.txt", content[: source.HEAD], lambda: content).first_half()
-
-    assert (found(2 * half).content, found(2 * half).head) == (half, half[: source.HEAD])
-    assert found(half + half[:-2] + b"1\n") is None
-    assert found(2 * half + b"\n") is None
-    assert found(half + b"a" + half[1:]) is None
+@pytest.mark.parametrize(
+    ("content", "half"),
+    [
+        (b"1.0 2.0 3.0\n" * 2, None),  # without words
+        (2 * WORDS, WORDS),
+        (WORDS + WORDS[:-2] + b"1\n", None),
+        *((2 * half, half) for half in LATE[:2]),
+        (2 * LATE[2], None),  # whose word is not among the first thousand bytes
+        (2 * LONG, LONG),
+        (LONG + LONG[:-2] + b"1\n", None),
+        (2 * LONG + b"\n", None),
+        (LONG + b"a" + LONG[1:], None),
+    ],
+    ids=range(10),
+)
+def test_a_copy_is_one_of_a_header_to_the_last_byte(content, half):
+    found = source.SourceFile("x.txt", content[: source.HEAD], lambda: content).first_half()
+    assert (found and (found.head, found.content)) == (half and (half[: source.HEAD], half))
 
 
 def pipe(content, name="stream"):

@@ -23,32 +23,20 @@ _QUANTITY = re.compile(
     r"(?![a-z\d]))",
     re.IGNORECASE,
 )
-_UP = {"UP", "U", "V", "Z", "VERT", "VERTICAL", "VER", "VRT", "UD", "U-D", "UP-DOWN", "UPDOWN"}
-_UP |= {
-    "UPWARD",
-    "UPWARDS",
-    "UP-DN",
-    "UPDN",
-    "U/D",
-    "VERTICALE",
-    "VERTIKAL",
-    "VERTIKALE",
-    "VERTICAAL",
-    "DUSEY",
-    "DÜŞEY",
-}
-_UP |= {"UP/DOWN", "VERTICALA", "D-U"}
-_DOWN = {"DOWN", "DN", "DWN", "DOWNWARD", "DOWNWARDS"}
-_COMPASS = {"N": 0.0, "NS": 0.0, "N-S": 0.0, "NORTH": 0.0, "E": 90.0, "EW": 90.0, "E-W": 90.0, "EAST": 90.0}
-_COMPASS |= {"S": 180.0, "SOUTH": 180.0, "W": 270.0, "WEST": 270.0}
-#: Names of east, west, north and south in French, German, Italian, Portuguese, Spanish and Turkish.
-_COMPASS |= dict.fromkeys(("N/S", "S-N", "NORD", "NORTE", "KUZEY", "K-G", "NORTH-SOUTH", "NORD-SUD", "NORTE-SUR"), 0.0)
-_COMPASS |= dict.fromkeys(
-    ("E/W", "W-E", "WE", "EST", "ESTE", "OST", "LESTE", "DOGU", "DOĞU", "D-B", "E-O", "EAST-WEST"), 90.0
+_UPWARDS = (
+    "UP U V Z VERT VERTICAL VER VRT UD U-D UP-DOWN UPDOWN UPWARD UPWARDS UP-DN UPDN U/D VERTICALE VERTIKAL VERTIKALE "
+    "VERTICAAL DUSEY DÜŞEY UP/DOWN VERTICALA D-U"
 )
-_COMPASS |= dict.fromkeys(("O-E", "O-W", "EST-OUEST", "EST-OVEST", "ESTE-OESTE", "OST-WEST"), 90.0)
-_COMPASS |= dict.fromkeys(("SUD", "SUR", "SÜD", "SUL", "GUNEY", "GÜNEY"), 180.0)
-_COMPASS |= dict.fromkeys(("OUEST", "OESTE", "OVEST", "BATI"), 270.0)
+_UP, _DOWN = frozenset(_UPWARDS.split()), frozenset(("DOWN", "DN", "DWN", "DOWNWARD", "DOWNWARDS"))
+#: Names of the directions in English, French, German, Italian, Portuguese, Spanish and Turkish, by azimuth.
+_NAMES = {
+    0.0: "N NS N-S NORTH N/S S-N NORD NORTE KUZEY K-G NORTH-SOUTH NORD-SUD NORTE-SUR",
+    90.0: "E EW E-W EAST E/W W-E WE EST ESTE OST LESTE DOGU DOĞU D-B E-O EAST-WEST O-E O-W EST-OUEST EST-OVEST "
+    "ESTE-OESTE OST-WEST",
+    180.0: "S SOUTH SUD SUR SÜD SUL GUNEY GÜNEY",
+    270.0: "W WEST OUEST OESTE OVEST BATI",
+}
+_COMPASS = {name: azimuth for azimuth, names in _NAMES.items() for name in names.split()}
 _SIDEWAYS = {"H1", "H2", "L", "T", "LONG", "TRAN", "TRANS", "LONGITUDINAL", "TRANSVERSE"}
 _SIDEWAYS |= {"FN", "FP", "H", "HORIZONTAL", "RADIAL", "TRANSVERSAL", "FAULT-NORMAL", "FAULT-PARALLEL"}
 _DEGREES = re.compile(r"(\d{1,3}(?:\.\d*)?)\s*(?:DEG(?:REES)?|°)?", re.ASCII)
@@ -65,27 +53,8 @@ _WITH_AXIS = re.compile(
     re.IGNORECASE,
 )
 #: Suffixes of files, in lower case, that are not a direction; others may be one (.NS, .00U, .e).
-_TEXT_SUFFIXES = frozenset(
-    [
-        "txt",
-        "csv",
-        "dat",
-        "asc",
-        "ascii",
-        "tsv",
-        "prn",
-        "out",
-        "g3",
-        "th",
-        "acc",
-        "vel",
-        "dis",
-        "at2",
-        "th1",
-        "tcl",
-        "inp",
-    ]
-)
+_OF_TEXTS = "txt csv dat asc ascii tsv prn out g3 th acc vel dis at2 th1 tcl inp"
+_TEXT_SUFFIXES = frozenset(_OF_TEXTS.split())
 _LONGEST_SUFFIX = 5
 _SUFFIX = re.compile(r"(\d{1,3})([A-Za-z])", re.ASCII)
 #: Letters that mean a direction at either end of a file name, and words that may follow the direction.

@@ -25,6 +25,7 @@ _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.0
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
 #: Largest relative difference between the stages of a response and its stated sensitivity without a warning.
 GAIN_TOLERANCE = 0.05
+_OTHER_MOTION = "the sensitivity is stated for {}, the stages of the response begin with {}"
 #: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
 #: The response is removed where it exceeds this share of its maximum; noise grows by at most the inverse of the share.
@@ -83,12 +84,15 @@ def sensitivity_notes(response: Any) -> list[str]:
     units = (response.instrument_sensitivity.input_units, first_stage(response).input_units)
     total, stages = (_MOTION.get(_spelled(unit), ("", 1.0)) for unit in units)
     if total[0] and stages[0] and total[0] != stages[0]:
-        return [*notes, f"the sensitivity is stated for {total[0]}, the stages of the response begin with {stages[0]}"]
+        return [*notes, _OTHER_MOTION.format(total[0], stages[0])]
     per_unit = total[1] / stages[1] if total[0] and stages[0] else 1.0
-    share = math.prod(gains) * per_unit / value - 1.0
-    if not abs(share) <= GAIN_TOLERANCE:
-        notes.append(f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %")
-    return notes
+    return notes + _off(math.prod(gains) * per_unit / value - 1.0)
+
+
+def _off(share: float) -> list[str]:
+    """Return a warning if the stages of a response differ from its sensitivity by more than `GAIN_TOLERANCE`."""
+    off = f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"
+    return [] if abs(share) <= GAIN_TOLERANCE else [off]
 
 
 def _turned(sensitivity: Any) -> list[str]:
@@ -188,11 +192,8 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
         return []
     found, per_unit = measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
     if found != quantity:
-        return [f"the sensitivity is stated for {found}, the stages of the response begin with {quantity}"]
-    share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
-    if abs(share) <= GAIN_TOLERANCE:
-        return _turned(sensitivity)
-    return [*_turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
+        return [_OTHER_MOTION.format(found, quantity)]
+    return _turned(sensitivity) + _off((size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0)
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:

@@ -204,11 +204,8 @@ def canonical_unit(text: str, where: str) -> str:
     if unit not in UNITS:
         quantity = quantity_of(text)
         of = f", which is a unit of {quantity}" if quantity and quantity != "acceleration" else ""
-        advice = (
-            ""
-            if where.startswith(("option", "--")) or "[records]" in where
-            else "; correct the file, or write columns and give their unit"
-        )
+        of_user = where.startswith(("option", "--")) or "[records]" in where
+        advice = "" if of_user else "; correct the file, or write columns and give their unit"
         near = "".join(f' (did you mean "{close}"?)' for close in get_close_matches(unit, UNITS, n=1))
         found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
         raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")

@@ -102,21 +102,19 @@ def long_table(
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
     if not dims or (columns is not None and not columns):
         raise ResultsError(f"expected at least one {'column' if dims else 'dimension for the rows'}")
-    for dim in dims:
-        if dim not in dataset.sizes:
-            raise ResultsError(
-                f"/{group} has no dimension {dim!r}{hint(dim, map(str, dataset.sizes))} (it has "
-                f"{', '.join(map(str, dataset.sizes))})"
-            )
+    sizes = list(map(str, dataset.sizes))
+    if unknown := [dim for dim in dims if dim not in sizes]:
+        raise ResultsError(
+            f"/{group} has no dimension {unknown[0]!r}{hint(unknown[0], sizes)} (it has {', '.join(sizes)})"
+        )
     named = {name: _texts(file.dataset("summary")[name]) for name in LABELLED} if "summary" in file.groups else {}
     labels = [*_label_columns(dataset, dims), *_owners(dataset, dims)]
     found = [*_pointers(dataset, dims, named), *_variables(dataset, dims)]
     if columns is not None:
-        for name in columns:
-            if not any(_answers_to(column, name) for column in [*labels, *found]):
-                known = [column.name for column in found]
-                choices = f"it has {some(known, 5)} (the manual lists all on the page of the schema)"
-                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, choices)}")
+        if lacking := [name for name in columns if not any(_answers_to(one, name) for one in [*labels, *found])]:
+            known = [column.name for column in found]
+            choices = f"it has {some(known, 5)} (the manual lists all on the page of the schema)"
+            raise ResultsError(f"this table of /{group} has no column {lacking[0]!r}{hint(lacking[0], known, choices)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)

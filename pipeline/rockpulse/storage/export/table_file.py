@@ -162,12 +162,8 @@ def one_line(frame: pd.DataFrame) -> pd.DataFrame:
 def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
     """Replace line breaks, escape control characters, and put an apostrophe before strings that look like formulas."""
     frame = one_line(frame)
-    return frame.assign(
-        **{
-            name: frame[name].map(lambda text: not_a_formula(escaped(text)), na_action="ignore")
-            for name in _texts(frame)
-        }
-    )
+    texts = frame[_texts(frame)]
+    return frame.assign(**texts.map(lambda text: not_a_formula(escaped(text)), na_action="ignore"))
 
 
 def table_csv(table: pd.DataFrame) -> bytes:
@@ -206,11 +202,9 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
         f"{written}, SI units, numbers with {digits} digits. Empty cell: unknown, not computed, or an empty text; "
-        f"their "
-        "number in each column is given below. `inf`: no limit, such as the scale factor of a body that no scale "
-        "factor "
-        "overturned, or the peak rotation of a body that overturned. -1 in an integer column: none or unknown, see its "
-        f"meaning.{line_ends}",
+        "their number in each column is given below. `inf`: no limit, such as the scale factor of a body that no scale "
+        "factor overturned, or the peak rotation of a body that overturned. -1 in an integer column: none or unknown, "
+        f"see its meaning.{line_ends}",
         "",
         in_pandas,
         "",
@@ -225,8 +219,6 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         lines.append(f"| `{column.name}` | {unit} | {empty[column.name]} | {meaning.replace('|', '/')} |")
     if table.left_out:
         names = ", ".join(f"`{name}`" for name in table.left_out)
-        lines += [
-            "",
-            f"Not in this table, because their dimensions differ: {names} (`--rows` selects other dimensions).",
-        ]
+        why = "because their dimensions differ"
+        lines += ["", f"Not in this table, {why}: {names} (`--rows` selects other dimensions)."]
     return "\n".join(lines) + "\n"

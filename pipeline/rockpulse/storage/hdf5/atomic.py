@@ -100,19 +100,15 @@ def _part(target: Path) -> Path:
 def _check_name(path: Path) -> None:
     """Raise ResultsError if the name has the suffix of another format, as results are always HDF5."""
     plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
+    results, found = plain.with_suffix(".h5"), ""
     if plain.suffix.lower() in OTHERS:
         what, verb, suffix = OTHERS[plain.suffix.lower()]
-        results = plain.with_suffix(".h5")
-        raise ResultsError(
-            f"{path}: expected the name of a results file (HDF5), such as {results}, found the name of {what}; "
-            f"{what} is made from a results file: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
-        )
-    if plain.suffix.lower() in TEXTS:
-        results = plain.with_suffix(".h5")
-        raise ResultsError(
-            f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix} "
-            "of another kind of file"
-        )
+        made = f"rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+        found = f"the name of {what}; {what} is made from a results file: {made}"
+    elif plain.suffix.lower() in TEXTS:
+        found = f"the suffix {plain.suffix} of another kind of file"
+    if found:
+        raise ResultsError(f"{path}: expected the name of a results file (HDF5), such as {results}, found {found}")
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:

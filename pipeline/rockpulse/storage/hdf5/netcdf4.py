@@ -56,16 +56,8 @@ def _values(stored: h5py.Dataset) -> Any:
 
 
 #: Attributes that HDF5 and netCDF use internally.
-HIDDEN = {
-    "CLASS",
-    "DIMENSION_LIST",
-    "NAME",
-    "REFERENCE_LIST",
-    "_NCProperties",
-    "_Netcdf4Coordinates",
-    "_Netcdf4Dimid",
-    "_nc3_strict",
-}
+HIDDEN = {"CLASS", "DIMENSION_LIST", "NAME", "REFERENCE_LIST"}
+HIDDEN |= {"_NCProperties", "_Netcdf4Coordinates", "_Netcdf4Dimid", "_nc3_strict"}
 
 #: Beginning of the attribute NAME of a dimension without a variable; its size follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
+from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -84,24 +85,27 @@ def whole(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -
 
 
 def flag(
-    words: Iterable[str], long_name: str, take: Callable[..., Any] | None = None, first: int = 0, **more: Any
+    words: Iterable[str | Enum], long_name: str, take: Callable[..., Any] | None = None, first: int = 0, **more: Any
 ) -> StoredVariable:
-    """Declare a variable of integers, each of which represents one of the words; the first word is `first`."""
-    return StoredVariable(np.int8, "1", long_name, take, words=tuple(words), first=first, **more)
+    """Declare a variable of integers, each of which represents a word or an enumeration member, from `first` on."""
+    names = tuple(word.name.lower() if isinstance(word, Enum) else word for word in words)
+    return StoredVariable(np.int8, "1", long_name, take, words=names, first=first, **more)
 
 
 def along(
     dims: tuple[str, ...],
     by: Callable[[str], Callable[..., Any] | None] | None = None,
     stored: Callable[[Config], bool] | None = None,
+    of_ground: bool = False,
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
     """Declare variables with the same dimensions; `by(name)` returns the function `take` for variables without one."""
-    return {
-        name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
-        for name, one in declared.items()
-    }
+    found = {}
+    for name, one in declared.items():
+        found[name] = replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
+        found[name] = replace(found[name], of_ground=of_ground or one.of_ground)
+    return found
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:

@@ -37,10 +37,6 @@ Band = IntEnum("Band", "GIVEN NO_CURVE ONE_EVENT FEW_EVENTS RESTS_ON_ONE_EVENT",
 Extrapolated = IntEnum("Extrapolated", "NO ABOVE BELOW", start=0)
 
 
-def _words(values: type[IntEnum]) -> list[str]:
-    return [value.name.lower() for value in values]
-
-
 _LANES = ("block", "limit_state", "measure")
 
 COORDINATES: Declared = {
@@ -64,7 +60,7 @@ _FIT: Declared = {
     "beta_high": real("upper confidence limit of the dispersion"),
 }
 _JUDGED: Declared = {
-    "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level analysed"),
+    "extrapolated": flag(Extrapolated, "whether the median lies beyond every level analysed"),
     "statement": text("explanation of status, band and extrapolation, if any"),
     "statement_values": text("the explanation as codes and values, in JSON"),
 }
@@ -73,8 +69,8 @@ _JUDGED: Declared = {
 CURVE = along(
     _LANES,
     **_FIT,
-    status=flag(_words(Status), "whether a curve was fitted, or why not"),
-    band=flag(_words(Band), "whether there are confidence limits, or why there are none"),
+    status=flag(Status, "whether a curve was fitted, or why not"),
+    band=flag(Band, "whether there are confidence limits, or why there are none"),
     **_JUDGED,
     records=whole("number of records"),
     events=whole("number of earthquakes, over which the confidence limits are taken"),

@@ -30,7 +30,8 @@ def _fixed(values: np.ndarray) -> Callable[[Any, Config], np.ndarray]:
     return lambda bodies, config: values
 
 
-def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
+def of_lanes(name: str) -> Callable[[Any], np.ndarray]:
+    """Return a function that reads a variable of the probability of an assessed record, for each body and case."""
     return lambda one: one.per_lane(one.probability[name])
 
 
@@ -51,10 +52,9 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
         f"{name}_low": f"lower end of the 90 % interval of {name}",
         f"{name}_high": f"upper end of the 90 % interval of {name}",
     }
+    explanations = {name: explanation}
     return {
-        key: real(
-            words, take=_of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
-        )
+        key: real(words, of_ground=True, explanation=explanations.get(key, ""), comment=_comment)
         for key, words in meanings.items()
     }
 
@@ -82,7 +82,6 @@ PROBABILITY: Declared = {
     ),
     "uplift_probability": real(
         "probability that the body lifts off under the unscaled record; NaN if not computed",
-        take=_of_lanes("uplift_probability"),
         of_ground=True,
         explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
         comment=_comment,
@@ -90,7 +89,6 @@ PROBABILITY: Declared = {
     "probability_source": flag(
         SOURCES,
         "source of the probability of overturning",
-        _of_lanes("probability_source"),
         explanation="slender_limit: random realisations of the body in the limit of slender blocks; full_equation: "
         "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or "
         "vertical acceleration); spectrum: the overturning "
@@ -103,36 +101,25 @@ PROBABILITY: Declared = {
 AT_DEMAND: Declared = {
     "demand_factor": real(
         "scale factor that scales the record to the demand",
-        take=_of_lanes("demand_factor"),
-        of_ground=True,
         explanation="the demand divided by the intensity of the record; for two horizontal channels of a station, by "
         "the geometric mean of their intensities",
     ),
     "demand_probability": real(
         "probability that the body overturns under the record scaled to the demand; NaN where not computed",
-        take=_of_lanes("demand_probability"),
-        of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
         comment=_comment,
     ),
     "demand_rotation_ratio": real(
         "largest rotation over alpha_c under the record scaled to the demand; inf where the body overturns",
-        take=_of_lanes("demand_rotation_ratio"),
-        of_ground=True,
         explanation="of the nominal body by the nonlinear model; NaN: unresolved or not computed, as above",
     ),
     "demand_outcome": flag(
-        ("not_computed", *(outcome.name.lower() for outcome in Outcome)),
+        ("not_computed", *Outcome),
         "how the motion of the nominal body ends under the record scaled to the demand",
-        _of_lanes("demand_outcome"),
         first=-1,
-        of_ground=True,
     ),
     "demand_sliding_share": real(
-        "as sliding_share, under the record scaled to the demand",
-        take=_of_lanes("demand_sliding_share"),
-        of_ground=True,
-        explanation="not computed as above",
+        "as sliding_share, under the record scaled to the demand", explanation="not computed as above"
     ),
 }
 
@@ -142,29 +129,15 @@ OF_TIES: Declared = {
     "demand_tie_elongation": real(
         "largest elongation of each tie under the record scaled to the demand; inf where the body overturns",
         "m",
-        _of_lanes("demand_tie_elongation"),
-        of_ground=True,
         explanation="of the nominal body by the nonlinear model, beyond the gap, in the order of the ties in "
         "`restraints`; after a break the distance of its ends; NaN: fewer ties, or not computed as above",
     ),
     "demand_tie_force": real(
-        "largest force of each tie under the record scaled to the demand",
-        "N",
-        _of_lanes("demand_tie_force"),
-        of_ground=True,
-        explanation="NaN as above",
+        "largest force of each tie under the record scaled to the demand", "N", explanation="NaN as above"
     ),
-    "demand_tie_share": real(
-        "largest elongation of each tie divided by its ultimate elongation; NaN without one",
-        take=_of_lanes("demand_tie_share"),
-        of_ground=True,
-    ),
+    "demand_tie_share": real("largest elongation of each tie divided by its ultimate elongation; NaN without one"),
     "demand_tie_state": flag(
-        ("not_computed", *(state.name.lower() for state in TieState)),
-        "what the record scaled to the demand does to each tie",
-        _of_lanes("demand_tie_state"),
-        first=-1,
-        of_ground=True,
+        ("not_computed", *TieState), "what the record scaled to the demand does to each tie", first=-1
     ),
 }
 

@@ -26,7 +26,7 @@ RISK: Declared = {
         below=real("share of the frequency from levels below all that were analysed"),
         above=real("share of the frequency from levels above all that were analysed"),
         events=whole("earthquakes of the fragility"),
-        status=flag([one.name.lower() for one in RiskStatus], "whether a frequency was computed, or why not"),
+        status=flag(RiskStatus, "whether a frequency was computed, or why not"),
         statement=text("why there is no frequency or no band, and what limits the band"),
         warning=text("share of the frequency from levels that were not analysed, in words; empty up to a tenth"),
     ),
@@ -52,7 +52,7 @@ INVENTORY: Declared = along(
     above=real("share of the frequency from levels above those that the hazard was given for"),
     far=real("share of the frequency from records at factors beyond those of [fragility] factors"),
     hazard_distance=real("distance of the body's site from the place that its hazard was computed for", "m"),
-    status=flag([one.name.lower() for one in RiskStatus], "whether a frequency was computed, or why not"),
+    status=flag(RiskStatus, "whether a frequency was computed, or why not"),
 )
 
 #: Variables along free bodies and levels of a measure.

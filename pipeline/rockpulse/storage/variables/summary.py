@@ -13,7 +13,7 @@ from rockpulse.record.defects import drifts
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
-from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY
+from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY, of_lanes
 from rockpulse.warning_text import find, with_codes
 
 LANES = ("record", "block", "case")
@@ -191,8 +191,8 @@ ANSWER = along(
         "largest rotation over alpha_c; inf if the block overturns, 0 at rest",
         explanation="theta_max/alpha_c; NaN: unresolved",
     ),
-    outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
-    reason=flag((reason.name.lower() for reason in Reason), "why a model gives no result"),
+    outcome=flag(Outcome, "how the motion ends"),
+    reason=flag(Reason, "why a model gives no result"),
     overturning_time=real("time at which overturning is certain, from the start of the model's input", "s"),
     overturning_half_cycle=whole("half-cycle in which the block overturns, from 1; -1 if it does not overturn"),
     impacts=whole("number of impacts faster than 1e-3 p alpha_c; -1 if infinite or not known"),
@@ -275,10 +275,10 @@ SUMMARY: Declared = {
     **RECORD,
     **DEMAND,
     **ANSWER,
-    **along(LANES, **PROBABILITY),
+    **along(LANES, of_lanes, **PROBABILITY),
     "capacity_ratio": CAPACITY_RATIO,
-    **along((*LANES, "demand"), None, _demanded, **AT_DEMAND),
-    **along((*LANES, "demand", "tie"), None, _demanded, **OF_TIES),
+    **along((*LANES, "demand"), of_lanes, _demanded, True, **AT_DEMAND),
+    **along((*LANES, "demand", "tie"), of_lanes, _demanded, True, **OF_TIES),
     **BLOCK,
     **CASE,
     **COORDINATES,

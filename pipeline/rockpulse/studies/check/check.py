@@ -1,15 +1,22 @@
-"""The code checks of the bodies of a configuration, compared with results of the same bodies under records."""
+"""The code checks of the bodies of a configuration, and of their rotations under the records of results.
+
+.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: no analysis passes d_0, and the mean of the
+   largest displacements does not exceed d_SLV or d_SLC of C8.7.1.2.1.6. NTC 2018, 7.3.5, and EN 1998-1, 4.3.3.4.3: the
+   mean of seven records or more, otherwise the most unfavourable value, of at least three records (EN 1998-1,
+   3.2.3.1.2). The rotation |theta|/alpha_c is converted to the displacement d = (|theta|/alpha_c) tan(alpha_c) lever,
+   so that a free body reaches d_0 at alpha_c.
+"""
 
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of
-from rockpulse.assessment.verdict import verdicts
+from rockpulse.assessment.verdict import nominal_motion, too_far, verdicts, weak
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config, config_from_text, given_config
@@ -21,9 +28,87 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spectrum_of
-from rockpulse.studies.check.codes import CHECKS, STATES, Checked, worst
+from rockpulse.studies.check.codes import CHECKS, STATES, Checked, allowed_displacement, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
-from rockpulse.studies.check.records import check_records, rotations_at
+
+#: Fewest records for a verdict, and fewest for the mean.
+FEWEST, FOR_MEAN = 3, 7
+
+
+class Rotations(NamedTuple):
+    """The largest rotations, over alpha_c, of a body under the records scaled to a demand."""
+
+    records: int  #: number of records, or of pairs with the worst direction of each
+    unknown: int  #: number of records without a rotation
+    compared: float  #: mean or largest over the records [-]; inf if one overturns the body, NaN if unknown
+    largest: float  #: largest over the records [-]
+
+
+def rotations_of(peaks: np.ndarray) -> Rotations:
+    """Return the rotations that are compared with the limits, from n largest rotations over alpha_c.
+
+    Examples
+    --------
+    >>> rotations_of(np.array([0.1, 0.2, 0.6]))
+    Rotations(records=3, unknown=0, compared=0.6, largest=0.6)
+    """
+    unknown, overturns = int(np.isnan(peaks).sum()), bool(np.isinf(peaks).any())
+    largest = math.inf if overturns else float(peaks.max(initial=-math.inf)) if peaks.size else math.nan
+    if peaks.size < FEWEST:
+        return Rotations(peaks.size, unknown, math.nan, largest)
+    mean = peaks.size >= FOR_MEAN and not overturns
+    return Rotations(peaks.size, unknown, float(peaks.mean()) if mean else largest, largest)
+
+
+def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
+    """Return the rotations of each body at a demand; of several restitutions, the largest ones."""
+    motions, far = answers.motions, too_far(answers, demand)
+    kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
+    fallen, rotation = nominal_motion(answers, demand)
+    peaks = motions.over(np.where(far, -np.inf, np.where(fallen, np.inf, rotation)), -np.inf).max(axis=1)
+    peaks[motions.in_any_direction(fallen & ~far)] = np.inf
+    found: dict[str, Rotations] = {}
+    for lane, body in enumerate(answers.bodies):
+        one = rotations_of(peaks[kept[:, lane], lane])
+        before = found.get(body.block)
+        if before is None or one.compared > before.compared or math.isnan(one.compared):
+            found[body.block] = one
+    return found
+
+
+def check_records(
+    senses: Sequence[Mechanism],
+    rotations: Rotations,
+    limit_state: str,
+    rule: str,
+    assessed: Sequence[Mechanism] | None = None,
+) -> Checked:
+    """Check the rotations of a body according to C8.7.1.2.1.9, with the limits of its worse direction of rotation.
+
+    `assessed` are the mechanisms whose rotations are given; by default they are `senses`, the mechanisms of the check.
+    """
+    statement = ""
+    if rotations.records < FEWEST:
+        statement = f"{rotations.records} records at the demand, but {rule} requires three or more"
+    elif math.isnan(rotations.compared):
+        statement = f"{rotations.unknown} of {rotations.records} records have no rotation at the demand"
+    every = zip(senses, senses if assessed is None else assessed, strict=True)
+    return worst([_checked(one, of, rotations, limit_state) for one, of in every])._replace(
+        records=rotations.records, statement=statement, activation_sense=""
+    )
+
+
+def _checked(body: Mechanism, assessed: Mechanism, rotations: Rotations, limit_state: str) -> Checked:
+    allowed, unit = allowed_displacement(body, limit_state), assessed.slope * assessed.lever
+    demand = rotations.compared * unit
+    if math.isnan(demand):
+        return Checked(displacement=allowed)
+    ratios = (
+        math.inf if moved == 0.0 else limit / moved
+        for limit, moved in ((allowed, demand), (body.collapse_displacement, rotations.largest * unit))
+    )
+    return Checked(displacement=allowed, displacement_demand=demand, displacement_ratio=min(ratios))
+
 
 #: Settings of a body that either the codes or the time histories do not use.
 NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
@@ -100,7 +185,7 @@ def check(
     found = _mechanisms(config, config.check.confidence_factor)
     others = {} if answers is None else _others(answers, stored, config)
     columns = {
-        one: [_checked(one, senses, why, spectrum, floors, config.check) for senses, why, floors in found.values()]
+        one: [_by_code(one, senses, why, spectrum, floors, config.check) for senses, why, floors in found.values()]
         for one in codes
         if one != RECORDS
     }
@@ -145,7 +230,7 @@ def _mechanisms(config: Config, confidence_factor: float = 1.0) -> _Mechanisms:
     return found
 
 
-def _checked(
+def _by_code(
     code: str,
     senses: Sequence[Mechanism],
     why: str,

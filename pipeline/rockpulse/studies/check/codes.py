@@ -154,19 +154,8 @@ def _activation(body: Mechanism, settings: CheckSettings) -> float:
     return body.multiplier * body.gravity / (body.share * settings.confidence_factor)
 
 
-def floor_peak(spectrum: DemandSpectrum, floors: Sequence[FloorSettings]) -> float:
-    """Return the peak floor acceleration a_Z [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
-    return math.hypot(*(_mode_peak(spectrum, one) for one in floors)) if floors else 0.0
-
-
-def _mode_peak(spectrum: DemandSpectrum, floor: FloorSettings) -> float:
-    percent = 100.0 * floor.damping
-    shake = spectrum(floor.period, floor.damping) * abs(floor.participation)
-    return shake * math.sqrt(1.0 + 0.0004 * percent**2)
-
-
 def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Return the floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
+    """Return the floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) to (C7.2.8)."""
     parts = []
     for floor in floors:
         # xi_k is a ratio: with percent, as printed in the circular, the floor's period would be a minimum.
@@ -174,7 +163,9 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
         rising, falling = (share * floor.period for share in PLATEAU)
         below, above = max(0.0, 1.0 - period / rising), max(0.0, period / falling - 1.0)
         apart = below**1.6 + above**1.2
-        parts.append(high * _mode_peak(spectrum, floor) / (1.0 + (high - 1.0) * apart))
+        shake = spectrum(floor.period, floor.damping) * abs(floor.participation)
+        peak = shake * math.sqrt(1.0 + 0.0004 * (100.0 * floor.damping) ** 2)  # of the mode: (C7.2.7)
+        parts.append(high * peak / (1.0 + (high - 1.0) * apart))
     found = math.hypot(*parts)
     longest = max(floor.period for floor in floors)
     return max(found, spectrum(period, damping)) if period > longest else found

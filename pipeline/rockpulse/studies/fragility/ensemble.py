@@ -18,13 +18,11 @@ from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
 from rockpulse.record.measures import MEASURES
 from rockpulse.run.analysis import Part, joined
-from rockpulse.selection.tables import SelectedRecords
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
-from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
+from rockpulse.studies.fragility.curves import Curve, fit_curve, missing, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
-from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN, empty_capacity
-from rockpulse.studies.fragility.statements import missing
+from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
@@ -38,7 +36,8 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
     """Return the slope d ln median/d ln u for a property u of the records, and its p-value; NaN if undetermined."""
     nothing = np.nan, np.nan
-    known = rows.with_property(column)
+    values = rows.qualities[:, column]
+    known = np.isfinite(values) & (values > 0.0)
     if not np.all(known):
         rows = rows.only(known)
         if missing(rows) != Status.FITTED:
@@ -115,11 +114,9 @@ class Ensemble:
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather_ensemble(
-    parts: Sequence[Part], lanes: int, config: Config, selection: SelectedRecords | None = None
-) -> Ensemble:
-    """Join the parts of all records into one ensemble, sorted by record id; `lanes` is the number of bodies."""
-    done = joined([empty_capacity(lanes, config, selection), *parts])
+def gather_ensemble(parts: Sequence[Part], config: Config) -> Ensemble:
+    """Join parts, the first of which may have no rows, into one ensemble, sorted by record id."""
+    done = joined(parts)
     return Ensemble(
         ids=done["record"].tolist(),
         clusters=done["event"].tolist(),

@@ -110,7 +110,7 @@ class FragilityAnalysis(Analysis):
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
         uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
-        ensemble = gather_ensemble(parts, len(names), self.config, self.selection)
+        ensemble = gather_ensemble([self.empty_part, *parts], self.config)
         lanes = list(range(len(names)))
         single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
         states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]

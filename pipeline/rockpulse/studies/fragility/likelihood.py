@@ -65,11 +65,6 @@ class Observations:
         """Number of different records."""
         return int(np.unique(self.record).size)
 
-    def with_property(self, column: int) -> np.ndarray:
-        """Return a mask of the rows in which the property of this column is known and positive."""
-        values = self.qualities[:, column]
-        return np.isfinite(values) & (values > 0.0)
-
     def only(self, kept: np.ndarray) -> "Observations":
         """Return the observations selected by a mask, with only the events that still occur among them."""
         clusters = np.array(self.events, dtype=str)[self.cluster]

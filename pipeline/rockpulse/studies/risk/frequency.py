@@ -20,11 +20,12 @@ from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
+from rockpulse.studies.fragility.curves import STATEMENTS, missing
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
-from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
+from rockpulse.warning_text import counted
 
 #: Horizontal component to which the hazard must refer, for each value of [records] components.
 COMPONENTS = {
@@ -52,11 +53,6 @@ BINS, HELD = 16, 0.998
 CERTAIN = (40.0, 1e-9)
 
 
-def several_events(count: int) -> str:
-    """Return the number of earthquakes in words."""
-    return f"{count} earthquake{'' if count == 1 else 's'}"
-
-
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
     """Return, as text, the warnings on the hazard, and the ground and component to which it must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
@@ -69,7 +65,7 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
     of, alike = (
         ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
     )
-    shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
+    shown = f"{counted(records, 'record')} of {counted(events, 'event')}"
     return f"of {of}; {model}, {settings.equation} equation, {shown}, {alike}"
 
 
@@ -122,10 +118,10 @@ def fragility_frequency(
     model = settings.overturning_model if limit_state == OVERTURNING else settings.model
     asked = _RiskOptions(FAMILIES[model], hazard, years, level, resamples, seed, limit_state == UPLIFT)
     place = states.index(limit_state), measures.index(hazard.measure)
-    found = [
-        _of_body(ensemble.observations(*place, [lane]), floor, asked)
-        for lane, floor in enumerate(_floors(table, hazard))
-    ]
+    # Below its uplift PGA a body remains at rest; in another measure, or without a known uplift PGA, at no level.
+    lifting = np.log(table["uplift_acceleration"].values) if hazard.measure == PGA else np.nan
+    floors = np.broadcast_to(np.where(np.isnan(lifting), -math.inf, lifting), table.sizes["block"]).tolist()
+    found = [_of_body(ensemble.observations(*place, [lane]), floor, asked) for lane, floor in enumerate(floors)]
     curve = table.sel(limit_state=limit_state, measure=hazard.measure)
     for row, median, beta in zip(found, curve["median"].values, curve["beta"].values, strict=True):
         row |= {"median": median, "beta": beta}
@@ -208,7 +204,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     """Return the confidence limits of the frequency and of the probability, or the reason why they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
-        return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
+        return {"statement": f"no band: {counted(events, 'event')}, {FEWEST_EVENTS} are needed"}
     estimate = math.log(whole.frequency)
     limits = band_of(
         rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
@@ -218,7 +214,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
     reasons = []
     if events < LEAST_EVENTS:
-        reasons.append(f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed")
+        reasons.append(f"the band is too narrow: {counted(events, 'event')}, {LEAST_EVENTS} are needed")
     if limits.lost:
         reasons.append(f"{lost}: they are left out of the band")
     found: dict[str, Any] = {"statement": "; ".join(reasons)}
@@ -232,14 +228,6 @@ def _uplift_level_known(rows: Observations, floor: float) -> bool:
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
-
-
-def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Return, for each body, ln of the level below which it remains at rest; -inf if unknown or not in PGA."""
-    if hazard.measure != PGA:
-        return [-math.inf] * table.sizes["block"]
-    lifting = np.log(table["uplift_acceleration"].values)
-    return np.where(np.isnan(lifting), -math.inf, lifting).tolist()
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:

@@ -358,12 +358,6 @@ class SiteHazards:
             found[own] = getattr(self.hazards[number], method)(log_level[own])
         return found
 
-    def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return ln (m, 1) of the first and of the last level of each body's hazard."""
-        with np.errstate(divide="ignore"):
-            ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
-        return ends[:, :1], ends[:, 1:]
-
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
     """Return `count` positive numbers, one for each body; a single number is repeated. ConfigError for other input."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import time
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -64,14 +64,6 @@ class Case:
         """Return the horizontal and the vertical ground acceleration [m/s2]."""
         both = [synthetic_motion(one, self.samples, self.quiet) for one in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
-
-    def with_scale(self, scale: float) -> Case:
-        """Return the case with another scale factor."""
-        return replace(self, scale=scale)
-
-    def row(self) -> dict[str, Any]:
-        """Return the values of the case by the column names of the table of cases."""
-        return asdict(self)
 
     def block(self) -> Block:
         """Return the block of the case."""

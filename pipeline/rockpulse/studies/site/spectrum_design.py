@@ -26,14 +26,56 @@ from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
+from rockpulse.record.defects import drifts
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
+from rockpulse.record.record import Record
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.site_records import empty_facts, facts_of_record, scaled_motion, unusual_factors_warning
+from rockpulse.storage.variables.summary import facts_of
 from rockpulse.warning_text import WarningText, as_stored
+
+#: Usual range of scale factors; a record scaled by more or less would represent another kind of earthquake.
+USUAL_FACTORS = (0.25, 4.0)
+
+
+def measured_value(name: str, record: Record, config: Config) -> float:
+    """Return the value of an intensity measure of a conditioned record; `name` is the name of the measure."""
+    return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
+
+
+def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
+    """Return the record scaled to the target, and its scale factor [-]; raise RecordRefused if its measure is zero."""
+    record, settings, factor = motion.record, config.calibration, 1.0
+    if settings.scale_to != "none" and settings.target is not None:
+        measure = measured_value(settings.scale_to, record, config)
+        if not (math.isfinite(measure) and measure > 0.0):
+            name = settings.scale_to
+            raise RecordRefused(f"{record.id}: its {name} is {measure:g}, so it cannot be scaled to a target")
+        factor = settings.target / measure
+    low, high = USUAL_FACTORS
+    if not low <= factor <= high:
+        record = record.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
+    if settings.scale_to != "none" and MEASURES[settings.scale_to].drifts and drifts(record):
+        record = record.with_warning(WarningText("scaled_to_drift"))
+    if factor != 1.0:
+        record = replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
+    return record, factor
+
+
+def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
+    """Return a warning if scale factors of records are unusually small or large, otherwise an empty list."""
+    low, high = USUAL_FACTORS
+    odd = int(np.count_nonzero((factors < low) | (factors > high)))
+    if not odd:
+        return []
+    ends = {"low": low, "high": high, "least": float(factors.min()), "most": float(factors.max())}
+    return [WarningText("scaled_far_in_all", count=odd, total=factors.size, **ends)]
+
 
 #: Smallest number of earthquakes for a design spectrum.
 FEWEST_EVENTS = 5
@@ -52,11 +94,20 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
         if record.pga == 0.0:
             raise RecordRefused(f"{record.id}: all samples are zero, so that there is no overturning spectrum")
         scene = extract(record, config)
+        record = scene.record
         lanes = LANES[config.calibration.spectrum](record, waves=scene.waves, rotations=False)
         own = scene.sequence
         shape = [math.nan] * 3 if own is None else [own.secondary / own.main, own.interval, own.main_count]
         found = {
-            **facts_of_record(scene.record, factor, config),
+            "record": record.id,
+            "source": record.source,
+            "source_sha256": record.source_sha256,
+            "warnings": "\n".join(record.warnings),
+            "processing": "\n".join(record.processing),
+            "scale_factor": factor,
+            **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
+            "largest_impulse": measured_value(IMPULSE, record, config),
+            **facts_of(scene),
             "spectrum": OverturningSpectrum(lanes).spectrum(RESTITUTIONS),
             **dict(zip(SHAPE.values(), np.array(shape, dtype=float).tolist(), strict=True)),
         }
@@ -65,11 +116,10 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 def empty_spectrum_record() -> Part:
     """Return the arrays of :func:`site_spectrum_record` and "event" without rows."""
-    return {
-        **empty_facts(),
-        "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
-        **dict.fromkeys(SHAPE.values(), np.zeros(0)),
-    }
+    facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
+    shape = dict.fromkeys(SHAPE.values(), np.zeros(0))
+    spectrum = np.zeros((0, RATES.size, RESTITUTIONS.size))
+    return {"record": np.zeros(0, dtype=str), **facts, "spectrum": spectrum, **shape}
 
 
 def fewest_events(quantile: float) -> int:

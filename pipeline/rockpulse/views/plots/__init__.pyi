@@ -15,14 +15,14 @@ from .objects import bodies as bodies
 from .objects import half_wave_impulses as half_wave_impulses
 from .objects import response as response
 from .objects import two_half_cycles as two_half_cycles
-from .picture import picture_bytes as picture_bytes
-from .picture import svg as svg
 from .picture_kinds import KINDS as KINDS
 from .probability_map import probability_map as probability_map
 from .rotation_panels import rotation_history as rotation_history
-from .selected_spectra import selected_spectra as selected_spectra
 from .selection import block_of as block_of
 from .selection import sequence_of as sequence_of
 from .site import calibration as calibration
 from .spectra import overturning_spectra as overturning_spectra
 from .spectra import rocking_spectrum as rocking_spectrum
+from .spectra import selected_spectra as selected_spectra
+from .style import picture_bytes as picture_bytes
+from .style import svg as svg

@@ -13,7 +13,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.words import in_numerals, numerals, say, translated
+from rockpulse.views.shared.words import counted_words, in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import displayed_measure, statement
 
 #: Probabilities below this value, and above one minus this value, are ignored for the range of the axis.
@@ -157,7 +157,8 @@ def _panel(
     first, last = (float(end(level[drawn], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
-    counts = style.record_counts(int(own["records"].max()), int(own["events"].max()))
+    earthquakes = counted_words(int(own["events"].max()), "earthquake")
+    counts = say("records_of", records=counted_words(int(own["records"].max()), "record"), earthquakes=earthquakes)
     data = say(f"plot.fragility.data.{tree.attrs['data']}")
     notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, drawn)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan

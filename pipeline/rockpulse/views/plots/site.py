@@ -86,10 +86,6 @@ def _block(own: xr.Dataset) -> Block:
     return Block.from_parameters(p, alpha, restitution, log=False)
 
 
-def _sentences(site: xr.Dataset) -> list[str]:
-    return [line[:1].upper() + line[1:] for line in site_warnings(site)]
-
-
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     """Draw the overturning spectra of the records of a site, their quantiles, and the design impulse of every body."""
     ax = style.one_axes(ax, height=4.4)
@@ -122,6 +118,6 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
     style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {three_digits(restitution)}", rows=rows)
     said = style.notes(under_design=known.sizes["block"] > 0)
-    said += [f"{style.plain(one)}." for one in _sentences(site)[:1]]
+    said += [f"{style.plain(line[:1].upper() + line[1:])}." for line in site_warnings(site)[:1]]
     style.caption(ax, " ".join([*said, *curves_below_axes(ax, curves["spectrum"])]))
     return ax

@@ -155,7 +155,7 @@ class Pictures:
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
         """Return the picture made by `draw`, with ids that start with `name`, or the error if drawing fails."""
-        from rockpulse.views.plots.picture import svg
+        from rockpulse.views.plots.style import svg
 
         try:
             figure = draw().get_figure(root=True)

@@ -33,8 +33,7 @@ from rockpulse.views.shared.table_columns import (
     record_cells,
     unexplained,
 )
-from rockpulse.views.shared.tie_table import tie_table
-from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
+from rockpulse.views.shared.verdict_table import tie_table, verdict_columns, verdict_rows
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 from rockpulse.views.text.check import code_words
 

@@ -1,7 +1,6 @@
 """Writes the report as an HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
-import dataclasses
 import hashlib
 import os
 import re
@@ -9,21 +8,19 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.configuration import SECTIONS, SEVERAL, Config, given_config
+from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
-from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables.fragility import FRAGILITY
@@ -31,23 +28,18 @@ from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.content import code_checks, logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
+from rockpulse.views.report.plain_text import folders_of, names_of, plain_words
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.report.verdict import by_severity
-from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import (
     in_dates,
     own_name,
-    raw_text,
     result_texts,
     say,
-    table,
     writing,
-)
-from rockpulse.views.shared.words import (
-    language as current_language,
 )
 
 #: Mark in the head of every report; a file without it is never replaced.
@@ -214,7 +206,8 @@ def report_page(
     if isinstance(checked, xr.Dataset):
         named = dict(zip(stored, tree["summary"].to_dataset()["block"].values.tolist(), strict=True))
         checked = checked.assign_coords(block=[named.get(name, name) for name in checked["block"].values.tolist()])
-    plain = str if full else partial(plain_words, folders=_folders(loaded[ASSESSMENT], given[ASSESSMENT]))
+    folders = folders_of(loaded[ASSESSMENT], given[ASSESSMENT])
+    plain = str if full else partial(plain_words, folders=folders, names=names_of(tree))
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
@@ -271,58 +264,6 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
         return node.assign(changed).assign_attrs(attrs)
 
     return tree.map_over_datasets(renamed)
-
-
-@cache
-def _option() -> re.Pattern[str]:
-    """Return the pattern of a section or key of the configuration, or an option or verb of the command line."""
-
-    def keys(cls: type) -> Iterator[str]:
-        for item in dataclasses.fields(cls):
-            yield item.name
-            yield from keys(item.metadata["entries"]) if "entries" in item.metadata else ()
-
-    names = {name for cls in (*SECTIONS.values(), BlockSettings) for name in keys(cls)}
-    several = "|".join(sorted(name for name in names if re.fullmatch("[a-z]{2,}(_[a-z]{2,})+", name)))
-    sections = "|".join([*SECTIONS, *SEVERAL])
-    return re.compile(rf"\[\[?(?P<section>{sections})(?:\.\w+)?\]\]?|\b(?P<key>{several})\b|--[a-z]|\brockpulse [a-z]+")
-
-
-def plain_words(words: str, folders: tuple[str, ...] = ()) -> str:
-    """Return a text without folders and advice on options of the program; other keys are replaced by their meaning.
-
-    Advice is a parenthesis, a sentence or, after a semicolon, a part of one that names an option.
-
-    >>> plain_words("the mean was subtracted; set [conditioning] baseline to keep it")
-    'the mean was subtracted'
-    """
-    for folder in folders:
-        words = words.replace(folder, "")
-    option = _option()
-    if " " not in words or not option.search(words):  # without a blank: a name that the user gave, such as of a file
-        return words
-    words = re.sub(r" \([^()]*\)", lambda found: "" if option.search(found[0]) else found[0], words)
-    first, *further = re.split(r"(?<=;) |(?<=\.) (?=[A-ZÀ-Ý])", words)
-    kept = " ".join([first, *(part for part in further if not option.search(part))])
-    if kept.endswith(";"):
-        kept = kept[:-1] + "." * words.endswith(".")
-    return option.sub(lambda found: _in_words(found["key"]) if found["key"] else found["section"] or found[0], kept)
-
-
-def _in_words(key: str) -> str:
-    return raw_text(f"app.key.{key}") if f"app.key.{key}" in table(current_language()) else key.replace("_", " ")
-
-
-def _folders(tree: xr.DataTree, results: xr.DataTree | str | Path | None) -> tuple[str, ...]:
-    """Return the folders of the input files and of the results as the beginnings of paths; the common one is first."""
-    named = [Path(results).absolute()] if isinstance(results, str | Path) else []
-    sources = [*tree["summary"].to_dataset()["source"].values.tolist(), *(row.file for row in failure_rows(tree))]
-    named += [Path(name.partition("!")[0]) for source in sources for name in source.split(BETWEEN)]
-    folders = {str(path.parent) for path in named if path.is_absolute()}
-    common = os.path.commonpath(folders) if len({Path(one).drive for one in folders}) == 1 else ""
-    if len(Path(common).parts) > 2:
-        folders.add(common)
-    return tuple(f"{folder}{os.sep}" for folder in sorted(folders, key=len) if len(Path(folder).parts) > 1)
 
 
 def with_symbols(words: str) -> str:

@@ -17,7 +17,7 @@ from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cells
-from rockpulse.views.shared.tie_table import tie_table
+from rockpulse.views.shared.verdict_table import tie_table
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import worst_cases

@@ -1,21 +1,14 @@
 """BHRC volume 1 (Iran): three channels, azimuths in the station line, damaged files."""
 
-import io
-
 import numpy as np
 import pytest
 from record_writers._shared import pulse
 from record_writers.bhrc import bhrc
+from source_files import got
 
 from rockpulse.errors import RockpulseError
-from rockpulse.readers import read
-from rockpulse.record.record import Record
 
 THREE = tuple(pulse(403, peak, dt=0.005) for peak in (1.9, 1.0, 2.6))
-
-
-def got(content: bytes) -> list[Record]:
-    return read(io.BytesIO(content))
 
 
 @pytest.mark.parametrize(

@@ -1,22 +1,16 @@
 """CWB and CWA free field (Taiwan): the columns, the clock, damaged files."""
 
-import io
 from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 from record_writers._shared import pulse
 from record_writers.cwb import cwb
+from source_files import got
 
 from rockpulse.errors import RockpulseError
-from rockpulse.readers import read
-from rockpulse.record.record import Record
 
 THREE = tuple(np.round(pulse(400, peak, dt=0.02), 3) for peak in (7.1, 45.5, 50.2))
-
-
-def got(content: bytes) -> list[Record]:
-    return read(io.BytesIO(content))
 
 
 @pytest.mark.parametrize(

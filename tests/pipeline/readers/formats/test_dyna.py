@@ -1,6 +1,5 @@
 """DYNA 1.x (ESM, ITACA, AFAD): the keys, the styles of dates, what is no acceleration, damaged files."""
 
-import io
 import re
 from datetime import UTC, datetime
 
@@ -8,28 +7,23 @@ import numpy as np
 import pytest
 from record_writers._shared import pulse
 from record_writers.dyna import CORRECTED, TADAS, dyna
+from source_files import got_one
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 from rockpulse.readers.formats.dyna import DYNA
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import Record
 
 VALUES = np.round(pulse(300, peak=98.0), 6)
 START = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
 
 
-def got(content: bytes) -> Record:
-    (record,) = read(io.BytesIO(content))
-    return record
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_values_are_read_from_the_first_line_that_is_no_key(end):
-    record = got(dyna(VALUES, end=end))
+    record = got_one(dyna(VALUES, end=end))
     assert record.acceleration == pytest.approx(0.01 * VALUES, rel=1e-12)
     assert (record.dt, record.source_unit, record.warnings) == (0.01, "cm/s^2".replace("^", ""), ())
-    more = got(dyna(VALUES, end=end, USER6="", USER7="", USER8="a b", USER9="1.5", USER10="c:d"))
+    more = got_one(dyna(VALUES, end=end, USER6="", USER7="", USER8="a b", USER9="1.5", USER10="c:d"))
     assert np.array_equal(more.acceleration, record.acceleration)
 
 
@@ -44,7 +38,7 @@ def test_values_are_read_from_the_first_line_that_is_no_key(end):
     ],
 )
 def test_styles_of_dates(stated):
-    assert got(dyna(VALUES, **{START: stated})).start_time == datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC)
+    assert got_one(dyna(VALUES, **{START: stated})).start_time == datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC)
 
 
 @pytest.mark.parametrize(
@@ -59,14 +53,14 @@ def test_styles_of_dates(stated):
     ],
 )
 def test_a_doubtful_start_is_left_out_with_the_reason(changes, reason):
-    record = got(dyna(VALUES, **changes))
+    record = got_one(dyna(VALUES, **changes))
     assert record.start_time is None
     assert reason in record.warnings[0]
 
 
 def test_no_start_is_no_news_and_a_rough_one_is():
-    assert got(dyna(VALUES, **{START: ""})).warnings == ()
-    rough = got(dyna(VALUES, DATE_TIME_FIRST_SAMPLE_PRECISION="minute"))
+    assert got_one(dyna(VALUES, **{START: ""})).warnings == ()
+    rough = got_one(dyna(VALUES, DATE_TIME_FIRST_SAMPLE_PRECISION="minute"))
     assert rough.start_time is not None
     assert "known to the minute only" in rough.warnings[0]
 
@@ -83,7 +77,7 @@ def test_no_start_is_no_news_and_a_rough_one_is():
     ],
 )
 def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, processed):
-    assert got(dyna(VALUES, **changes)).processed is processed
+    assert got_one(dyna(VALUES, **changes)).processed is processed
 
 
 @pytest.mark.parametrize(
@@ -97,7 +91,7 @@ def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, pr
     ],
 )
 def test_what_the_header_says_against_the_record(changes, warning):
-    (note,) = got(dyna(VALUES, **changes)).warnings
+    (note,) = got_one(dyna(VALUES, **changes)).warnings
     assert warning in note
 
 
@@ -106,7 +100,7 @@ def test_what_the_header_says_against_the_record(changes, warning):
 )
 def test_other_series_are_refused(kind):
     with pytest.raises(NotAcceleration, match=f"stream:50: expected 'DATA_TYPE: ACCELERATION', found '{kind}'"):
-        got(dyna(VALUES, DATA_TYPE=kind))
+        got_one(dyna(VALUES, DATA_TYPE=kind))
 
 
 @pytest.mark.parametrize(
@@ -129,7 +123,7 @@ def test_other_series_are_refused(kind):
 )
 def test_damage_is_named(content, message):
     with pytest.raises(RockpulseError, match=message):
-        got(content)
+        got_one(content)
 
 
 #: AFAD's portal of today: the corners stand before the first key, the header of old has none.
@@ -138,11 +132,11 @@ FILTERED = ("file: Butterworth order 1, 0.025-40 Hz (AAD lines)", "file: baselin
 
 
 def test_the_lines_of_afad_before_the_title_are_the_processing():
-    plain, record = got(dyna(VALUES, **NO_CORNERS)), got(TADAS.encode() + dyna(VALUES, **NO_CORNERS))
+    plain, record = got_one(dyna(VALUES, **NO_CORNERS)), got_one(TADAS.encode() + dyna(VALUES, **NO_CORNERS))
     assert np.array_equal(plain.acceleration, record.acceleration)
     assert (record.processed, record.processing, record.warnings) == (True, FILTERED, ())
     assert plain.processed is None
-    both = got(TADAS.encode() + dyna(VALUES, **CORRECTED))
+    both = got_one(TADAS.encode() + dyna(VALUES, **CORRECTED))
     assert both.processing == ("file: Butterworth, 0.1-30 Hz", *FILTERED)
     assert both.warnings == ("the file states two filters: 0.1-30 Hz and 0.025-40 Hz",)
 
@@ -162,13 +156,13 @@ def test_the_lines_of_afad_before_the_title_are_the_processing():
 )
 def test_what_the_lines_of_afad_leave_open(lines, processed, processing):
     given = NO_CORNERS | {"FILTER_TYPE": ""}
-    record = got(lines.encode() + dyna(VALUES, **given))
+    record = got_one(lines.encode() + dyna(VALUES, **given))
     assert (record.processed, "".join(record.processing)) == (processed, processing)
 
 
 def test_other_lines_before_the_title_are_told_and_not_used():
     content = b"\n# exported by hand\nAAD_LOW_CUT_FREQUENCY_HZ: five\nNDATA: 7\n" + dyna(VALUES)
-    record = got(content)
+    record = got_one(content)
     assert record.npts == VALUES.size
     assert [note.partition(" is not known")[0] for note in record.warnings] == [
         f"line {line}, before EVENT_NAME," for line in (2, 3, 4)
@@ -191,9 +185,9 @@ def test_a_key_with_two_values_that_decides_is_refused(key, other):
     content = dyna(VALUES)
     at = content.index(f"{key}:".encode())
     line = content[at : content.index(b"\n", at) + 1]
-    assert got(content[:at] + line + content[at:]).warnings == ()
+    assert got_one(content[:at] + line + content[at:]).warnings == ()
     with pytest.raises(RecordFormatError, match=rf"expected one value of {key}, .* and '{re.escape(other)}'"):
-        got(content[:at] + line + f"{key}: {other}\n".encode() + content[at + len(line) :])
+        got_one(content[:at] + line + f"{key}: {other}\n".encode() + content[at + len(line) :])
 
 
 @pytest.mark.parametrize(
@@ -209,16 +203,16 @@ def test_a_key_with_two_values_that_decides_is_refused(key, other):
 )
 def test_the_corners_that_count(low, high, processing):
     corners = {"LOW_CUT_FREQUENCY_HZ": low, "HIGH_CUT_FREQUENCY_HZ": high, "FILTER_TYPE": ""}
-    assert got(dyna(VALUES, **CORRECTED | corners)).processing == processing
+    assert got_one(dyna(VALUES, **CORRECTED | corners)).processing == processing
 
 
 def test_the_facts_of_the_header():
     facts = {"VS30_M/S": "450", "SITE_CLASSIFICATION_EC8": "B", "MAGNITUDE_W": "4.7"}
-    record = got(dyna(VALUES, **facts))
+    record = got_one(dyna(VALUES, **facts))
     assert (record.event_id, record.event) == ("EMSC-20190728_0000106", "GREECE")
     assert record.origin_time == datetime(2019, 7, 28, 16, 9, 8, tzinfo=UTC)
     assert (record.magnitude, record.magnitude_type) == (4.7, "Mw")
-    assert (got(dyna(VALUES)).magnitude, got(dyna(VALUES)).magnitude_type) == (4.6, "ML")
+    assert (got_one(dyna(VALUES)).magnitude, got_one(dyna(VALUES)).magnitude_type) == (4.6, "ML")
     assert (record.hypocentre_latitude, record.hypocentre_longitude, record.hypocentre_depth) == (38.1, 23.54, 9000.0)
     assert (record.station_latitude, record.station_longitude) == (37.6349, 22.7293)
     assert (record.epicentral_distance, record.vs30, record.site_class) == (88_100.0, 450.0, "B")
@@ -244,12 +238,12 @@ def test_the_name_of_the_file_has_the_component_too(tmp_path, name, azimuth):
 
 
 def test_a_place_in_the_line_of_the_location():
-    record = got(dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME="", STREAM=""))
+    record = got_one(dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME="", STREAM=""))
     assert (record.location, record.station_name, record.event, record.channel) == ("", "OLD_TOWN", "GREECE", "1")
-    assert got(dyna(VALUES, LOCATION="OLD_TOWN")).station_name == "Town Hall,Argos,Argolis,Peloponnese"
-    portal = got(TADAS.encode() + dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME=""))
+    assert got_one(dyna(VALUES, LOCATION="OLD_TOWN")).station_name == "Town Hall,Argos,Argolis,Peloponnese"
+    portal = got_one(TADAS.encode() + dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME=""))
     assert (portal.station_name, portal.event) == ("", "OLD TOWN")
-    assert got(dyna(VALUES, LOCATION="--")).location == ""
+    assert got_one(dyna(VALUES, LOCATION="--")).location == ""
 
 
 def test_how_much_of_a_header_makes_the_format():
@@ -265,7 +259,7 @@ def test_how_much_of_a_header_makes_the_format():
 
 
 def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
-    record = got(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
+    record = got_one(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
     assert record.network == "HI"
     assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first counts" in record.warnings[0]
 
@@ -273,14 +267,14 @@ def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
 def test_two_records_in_one_file_are_refused():
     other = dyna(0.5 * VALUES, STREAM="HNN")
     with pytest.raises(RecordFormatError, match="found 'EVENT_NAME: GREECE', the beginning of another record"):
-        got(dyna(VALUES) + other)
+        got_one(dyna(VALUES) + other)
     with pytest.raises(RecordFormatError, match="the beginning of another record"):
-        got(TADAS.encode() + dyna(VALUES) + TADAS.encode() + other)
+        got_one(TADAS.encode() + dyna(VALUES) + TADAS.encode() + other)
 
 
 @pytest.mark.parametrize("key", ["PGA_CM/S^2", "TIME_PGA_S", "DURATION_S", "HIGH_CUT_FREQUENCY_HZ"])
 def test_what_is_held_against_the_samples_and_is_no_number_is_told(key):
-    record = got(dyna(VALUES, **{key: "1E308"}))
+    record = got_one(dyna(VALUES, **{key: "1E308"}))
     assert any(
         re.fullmatch(rf"line \d+: {re.escape(key)} is not a valid number: '1E308'", note) for note in record.warnings
     )

@@ -1,22 +1,16 @@
 """GeoNet V1A and V2A (New Zealand): both volumes, directions, clocks, damaged files."""
 
-import io
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 from record_writers._shared import pulse
 from record_writers.geonet import START, geonet
+from source_files import got
 
 from rockpulse.errors import RockpulseError
-from rockpulse.readers import read
-from rockpulse.record.record import Record
 
 THREE = tuple(np.round(pulse(203, peak, dt=0.005), 1) for peak in (2394.8, 2584.4, 1589.9))
-
-
-def got(content: bytes) -> list[Record]:
-    return read(io.BytesIO(content))
 
 
 @pytest.mark.parametrize("corrected", [False, True])

@@ -1,7 +1,6 @@
 """RENADIC volume 1 (Chile): pairs, dead channels, parts of one record."""
 
 import hashlib
-import io
 import re
 from datetime import UTC, datetime
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 from record_writers._shared import pulse
 from record_writers.renadic import renadic
+from source_files import got
 
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import read
@@ -19,10 +19,6 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 TENTH = STANDARD_GRAVITY / 10.0
 THREE = tuple(np.round(pulse(400, peak), 3) for peak in (1.5, 0.8, 1.2))
 NEVER_SET = "1/1/1980 0:00:00.000 GMT"
-
-
-def got(content: bytes) -> list[Record]:
-    return read(io.BytesIO(content))
 
 
 def part(begin: int, last: int, **changes) -> bytes:

@@ -1,39 +1,32 @@
 """SIGMA/ITACA .acc: header, touching fields, directions, what is no acceleration, damaged files."""
 
-import io
-
 import numpy as np
 import pytest
 from record_writers import pulse
 from record_writers.sigma import sigma
+from source_files import got_one
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers import read
 from rockpulse.readers.formats.sigma import SIGMA
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY
 
 VALUES = np.array([float(f"{value:.7E}") for value in -pulse(302, peak=2.0)])
 CONTENT = sigma(VALUES)
-
-
-def got(content: bytes) -> Record:
-    (record,) = read(io.BytesIO(content))
-    return record
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_fields_touch_and_the_last_row_is_short(end):
     content = sigma(VALUES, end=end)
     assert content.count(b"-", content.index(b"m/s/s")) > VALUES.size
-    record = got(content)
+    record = got_one(content)
     assert np.array_equal(record.acceleration, VALUES)
     assert (record.source_unit, record.dt, record.format, record.warnings) == ("m/s2", 0.01, "sigma", ())
 
 
 def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
     head, _, block = sigma(np.abs(VALUES)).decode().rpartition("m/s/s\n")
-    record = got((head + "m/s/s\n" + "\n".join(row.strip() for row in block.split("\n"))).encode())
+    record = got_one((head + "m/s/s\n" + "\n".join(row.strip() for row in block.split("\n"))).encode())
     assert np.array_equal(record.acceleration, np.abs(VALUES))
     assert record.warnings == ()
 
@@ -45,16 +38,14 @@ def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
         ("NS", "horizontal", 0.0),
         ("SN", "horizontal", 0.0),
         ("UP", "vertical", np.nan),
-        *[
-            ("Z", "vertical", np.nan),
-            ("H1", "horizontal", np.nan),
-            ("N35E", "horizontal", 35.0),
-            ("", "unknown", np.nan),
-        ],
+        ("Z", "vertical", np.nan),
+        ("H1", "horizontal", np.nan),
+        ("N35E", "horizontal", 35.0),
+        ("", "unknown", np.nan),
     ],
 )
 def test_directions(words, orientation, azimuth):
-    record = got(sigma(VALUES, orientation=words))
+    record = got_one(sigma(VALUES, orientation=words))
     assert (record.orientation, record.component, record.channel) == (orientation, words, words or "1")
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
 
@@ -69,7 +60,7 @@ def test_directions(words, orientation, azimuth):
     ],
 )
 def test_the_unit_is_that_of_the_line_above_the_samples(series, factor):
-    record = got(sigma(VALUES, series=series))
+    record = got_one(sigma(VALUES, series=series))
     assert record.acceleration == pytest.approx(factor * VALUES)
     assert any("the header states a peak" in note for note in record.warnings) is (factor != 1.0)
 
@@ -77,9 +68,9 @@ def test_the_unit_is_that_of_the_line_above_the_samples(series, factor):
 @pytest.mark.parametrize("series", ["Velocity time series in m/s", "Displacement time series in m"])
 def test_velocity_and_displacement_are_refused(series):
     with pytest.raises(NotAcceleration, match=r"stream:10: expected 'Acceleration time series', found (vel|disp)"):
-        got(sigma(VALUES, series=series))
+        got_one(sigma(VALUES, series=series))
     with pytest.raises(UnitError, match="stream:10: unknown unit of acceleration 'm/s'"):
-        got(sigma(VALUES, series="Acceleration time series in m/s"))
+        got_one(sigma(VALUES, series="Acceleration time series in m/s"))
 
 
 @pytest.mark.parametrize(
@@ -93,7 +84,7 @@ def test_velocity_and_displacement_are_refused(series):
     ],
 )
 def test_processing(words, corners, processed, processing):
-    record = got(sigma(VALUES, processing=words, corners=corners))
+    record = got_one(sigma(VALUES, processing=words, corners=corners))
     assert (record.processed, record.processing) == (processed, processing)
 
 
@@ -120,25 +111,25 @@ DAMAGE = {
 @pytest.mark.parametrize(("content", "message"), DAMAGE.values(), ids=DAMAGE)
 def test_damage_is_named_with_file_and_line(content, message):
     with pytest.raises(RecordFormatError, match=message):
-        got(content)
+        got_one(content)
 
 
 def test_a_count_below_the_numbers_of_the_file_is_reported():
     for count, told in ((301, "line 71: 1 numbers beyond"), (300, "line 71: 1 rows beyond the declared count")):
-        assert told in got(sigma(VALUES, count=count)).warnings[0]
+        assert told in got_one(sigma(VALUES, count=count)).warnings[0]
         lines = sigma(np.abs(VALUES), count=count).decode().split("\n")
-        (note,) = got("\n".join([*lines[:10], *(row.strip() for row in lines[10:])]).encode()).warnings
+        (note,) = got_one("\n".join([*lines[:10], *(row.strip() for row in lines[10:])]).encode()).warnings
         assert told in note
 
 
 @pytest.mark.parametrize("moment", ["6 April 2009", "2009-13-06 01:32", "2009-04-06"])
 def test_a_time_of_the_earthquake_that_is_none_is_left_out(moment):
-    record = got(sigma(VALUES, event=moment))
+    record = got_one(sigma(VALUES, event=moment))
     assert (record.event, record.origin_time) == (moment, None)
 
 
 def test_a_peak_that_is_no_number_is_told():
-    record = got(CONTENT.replace(b": 2.0000000E+00", b": 2.0000000E+999"))
+    record = got_one(CONTENT.replace(b": 2.0000000E+00", b": 2.0000000E+999"))
     assert record.warnings == ("line 9: the peak is not a valid number: '2.0000000E+999'",)
     assert np.isnan(record.header_peak)
 
@@ -146,7 +137,7 @@ def test_a_peak_that_is_no_number_is_told():
 @pytest.mark.parametrize(("peak", "told"), [("197", 0), ("194", 1)])
 def test_the_peak_has_a_unit_and_a_rounding_of_its_own(peak, told):
     content = CONTENT.replace(b"PGA (m/s/s) ", b"PGA (cm/s/s)").replace(b": 2.0000000E+00", f": {peak}".encode())
-    record = got(content)
+    record = got_one(content)
     assert record.header_peak == pytest.approx(0.01 * float(peak), rel=1e-12)
     assert len(record.warnings) == told
 

@@ -197,12 +197,8 @@ BEHIND = [
 
 
 def test_the_reals_of_a_channel():
-    assert [real_header_value(BEHIND, number).strip() for number in (3, 7, 8, 9)] == [
-        "354.30000",
-        "-.5666587",
-        "39.410000",
-        "200.00000",
-    ]
+    known = [real_header_value(BEHIND, number).strip() for number in (3, 7, 8, 9)]
+    assert known == ["354.30000", "-.5666587", "39.410000", "200.00000"]
     assert [real_header_value(BEHIND, number) for number in (12, 16, 17)] == ["", "", ""]  # unknown, zero, not there
     assert real_header_value(["words", *BEHIND], 8) == " 39.410000"
     for damaged in ("         .", "        -.", " 3x.410000", "   39 .410"):
@@ -211,13 +207,8 @@ def test_the_reals_of_a_channel():
 
 
 def test_the_count_in_the_integers():
-    assert (
-        held_count(BEHIND, 35430)
-        == held_count([], 35430)
-        == held_count(ROWS[:1], 5)
-        == held_count(["    0" * 16] * 7, 35430)
-        == []
-    )
+    for rows, points in ((BEHIND, 35430), ([], 35430), (ROWS[:1], 5), (["    0" * 16] * 7, 35430)):
+        assert held_count(rows, points) == []
     assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text 35429"]
     assert held_count(BEHIND, 100_000) == []  # for which there is no room
     assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, the text 99999"]

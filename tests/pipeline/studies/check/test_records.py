@@ -13,9 +13,8 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.studies.check.check import check, history_results
+from rockpulse.studies.check.check import check, check_records, history_results, rotations_at, rotations_of
 from rockpulse.studies.check.mechanism import Force, Mechanism, Weight
-from rockpulse.studies.check.records import check_records, rotations_at, rotations_of
 from rockpulse.views.text.check import check_overview
 
 G, INF, NAN = 9.80665, math.inf, math.nan

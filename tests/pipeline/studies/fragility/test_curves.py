@@ -269,7 +269,6 @@ def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
     assert rows.records == 3
     assert rows.qualities[:, 0].tolist() == [10.0, 11.0, 20.0, 30.0]
     assert rows.weight.tolist() == [0.5, 0.5, 1.0, 2.0]
-    assert [rows.with_property(column).tolist() for column in (0, 1)] == [[True] * 4, [False, False, False, True]]
     assert rows.without_each_event().tolist() == [
         [0.5, 0.5, 1.0, 2.0],
         [0.5, 0.0, 1.0, 2.0],

@@ -107,7 +107,7 @@ def test_a_capacity_that_falls_with_magnitude_is_found_from_the_records_that_sta
     slope, p_value = sufficiency(observed, 0)
     assert slope == pytest.approx(-0.5, abs=0.2)
     assert p_value < 0.01
-    assert (slope, p_value) == sufficiency(observed.only(observed.with_property(0)), 0)
+    assert (slope, p_value) == sufficiency(observed.only(observed.qualities[:, 0] > 0.0), 0)
     assert sufficiency(by_magnitude(np.random.default_rng(3), 16, 12, 0.0), 0)[1] > 0.05
 
 

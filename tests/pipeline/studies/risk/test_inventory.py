@@ -13,8 +13,8 @@ import rockpulse as rp
 from rockpulse import models
 from rockpulse.config.study_settings import HazardSettings
 from rockpulse.sequences.design_spectrum import at_blocks
-from rockpulse.studies.risk.free_bodies import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of
+from rockpulse.studies.risk.inventory import curves_in_parts
 
 T = np.arange(0.0, 4.0, 0.02)
 LAW = rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv")

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rockpulse.studies.selection.search import fitting_set, own_factors
+from rockpulse.studies.selection.selection import fitting_set, own_factors
 
 PERIODS = np.geomspace(0.15, 2.0, 24)
 BOUNDS = (0.25, 4.0)

@@ -14,8 +14,17 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from rockpulse.views.plots import style
-from rockpulse.views.plots.picture import picture_bytes, svg
-from rockpulse.views.plots.style import caption, figure_of, legend_above, one_axes, panel_title, title, wrapped
+from rockpulse.views.plots.style import (
+    caption,
+    figure_of,
+    legend_above,
+    one_axes,
+    panel_title,
+    picture_bytes,
+    svg,
+    title,
+    wrapped,
+)
 from rockpulse.views.shared.words import writing
 
 

@@ -15,7 +15,8 @@ import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing
 from rockpulse.views.report.content import page_content
-from rockpulse.views.report.writing import plain_words, report, report_page
+from rockpulse.views.report.plain_text import plain_words
+from rockpulse.views.report.writing import report, report_page
 
 
 class Page(HTMLParser):
@@ -118,6 +119,7 @@ def test_words_of_the_configuration_and_folders_are_in_the_full_report_alone(kno
     assert not re.search(r"\[(records|conditioning|check|site|demand)\]|--[a-z]|\brockpulse [a-z]", words)
     assert plain_words("too wide (set confirm_size = true). Next; see [records] units.") == "too wide. Next."
     assert plain_words("/data/x/pga_min.csv", ("/data/x/",)) == "pga_min.csv"
+    assert plain_words("of wall (soil_factor 2)", names=("wall (soil_factor 2)",)) == "of wall (soil_factor 2)"
     assert plain_words("without yield_force; as /data/x/a.csv", ("/data/x/",)) == "without yield force; as a.csv"
 
 

@@ -11,7 +11,7 @@ from rockpulse.assessment.verdict import verdicts
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell
-from rockpulse.views.shared.tie_table import tie_table
+from rockpulse.views.shared.verdict_table import tie_table
 from rockpulse.views.shared.words import writing
 
 STEEL = Tie(3.0, 2e6, yield_force=4e4, ultimate=0.2)
