@@ -169,7 +169,7 @@ def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None
 
 
 def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Add samples until the lowest survive and the highest overturn; return whether each body has any at the end."""
+    """Add samples until the lowest survive and the highest overturn; return whether any survive the largest factor."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0

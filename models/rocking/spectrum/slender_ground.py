@@ -107,7 +107,7 @@ class SlenderGround:
             del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
-        """Return tables from piece `first` on; H is `past` at the start, G is `future` at the end, then within `left`."""
+        """Return tables from piece `first` on; `past` is H before them, `future` G after them, and `left` bounds G."""
         own = np.arange(first, min(first + AT_ONCE, self._count))
         whole, parts, place = own, np.ones_like(own), np.zeros_like(own)
         if self._divided:
