@@ -231,7 +231,7 @@ def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
     ("given", "words"),
     [
         ({"rebound": 0.5}, "rebound: only for a body with one_sided=True"),
-        ({"loads": [Load(1e3, 2.0)]}, "with a load that moves with it"),
+        ({"loads": [Load(1e3, 2.0)]}, "because a load moves with the body"),
         ({"one_sided": "yes"}, "one_sided: expected True or False"),
     ],
 )
