@@ -149,7 +149,7 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceL
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:
-    """Return the response with an UNRESOLVED outcome if `short`: secondary impulses too close together."""
+    """Return the response with the outcome UNRESOLVED if secondary impulses are too close together (`short`)."""
     short = short.reshape(np.shape(response.outcome))
     marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
     found = {

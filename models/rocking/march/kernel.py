@@ -65,7 +65,7 @@ def first_safe_sample(factor, levels, last, settled):
 
 @njit(_nrt=False)
 def take_corner(f, j, alpha, p, restitution, dt, options):
-    """Write the properties of the corner about which body j turns into its slot."""
+    """Write into slot j the properties of the corner about which its body turns."""
     length = p * dt
     f[row.ALPHA + j] = alpha
     f[row.RESTITUTION + j] = restitution

@@ -72,7 +72,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
 
 
 def lane_capacity(lanes: BodyLanes, shift: Uncertainty, reach: float) -> tuple[float, float]:
-    """Return the geometric mean of the scale factor at which one body overturns, and its value at P = 10 %."""
+    """Return the geometric mean, and the value at P = 10 %, of the scale factor at which one body overturns."""
     logs, probability = _curve(lanes, shift, reach, np.ones((1, lanes.over.size)))
     level = np.exp(logs)
     return float(mean_capacity(level, probability)[0]), float(factor_at(0.1, level, rising(probability))[0])

@@ -82,7 +82,7 @@ def checked_half_waves(
         raise ValueError("start, centroid, end, impulse: expected finite numbers")
     first, middle, last, impulses = arrays
     if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
-        raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
+        raise ValueError("half-waves: expected start <= centroid <= end, in order and without overlap")
     check_strength(triangles(first, middle, last, impulses)[1])
     return first, middle, last, impulses
 

@@ -205,7 +205,9 @@ class OverturningSpectrum:
         if not np.all(np.diff(np.atleast_1d(states), prepend=0.0) > 0.0):
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
         if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
-            raise ValueError(f"rotation: expected inf, as the lanes were computed without rotations, got {rotation!r}")
+            raise ValueError(
+                f"rotation: expected inf, as the spectrum was computed without rotations, got {rotation!r}"
+            )
         parts = self._parts(restitution)
         least, most = (np.concatenate(ends) for ends in list(zip(*parts, strict=True))[1:])
         found = np.zeros((states.size, self.p.size, np.size(restitution), self.level.size))
@@ -257,7 +259,7 @@ class OverturningSpectrum:
         lowest, highest = self.lanes.between
         if not np.all(covered_range(nominal, self.uncertainty, self.lanes.between)):
             raise ValueError(
-                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} of it, lie in "
+                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, lie in "
                 f"{lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
                 f"{restitution!r:.80}"
             )

@@ -42,7 +42,7 @@ FARTHEST = 8.0
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Uncertainty that a probability of overturning includes.
+    """Uncertainty of the record, the restitution and the geometry in a probability of overturning.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """Return w_i h(t_i - ln f) (n, k), t: `log_factor`, w: `weight`, ln f: `log_level`, h: density of the shift."""
+    """Return the density of the shift at `log_factor` - `log_level` times `weight`, (n, k) for n lanes and k levels."""
     bells = np.zeros((log_factor.size, log_level.size))
     _bells(log_factor, weight, log_level, *_skew(shift), bells)
     return bells

@@ -220,7 +220,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
 
 @njit(_nrt=False)
 def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
-    """Update the largest u of block i from node `first` - 1 to node `last`, which are in one group of nodes."""
+    """Update the largest u of block i from its motion between nodes `first` - 1 and `last`, all in one group."""
     margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, STRONGEST])
     for k in range(first, last + 1):
         up, down = grow * points[k, UP], fall * points[k, DOWN]

@@ -211,7 +211,7 @@ def _march_lanes(
     *,
     rotations: bool,
 ) -> Iterator[dict[str, Any]]:
-    """Compute lanes at each frequency parameter; its function in `restitutions` returns C for probabilities (n,).
+    """Compute lanes at each of the frequency parameters `rates`, with C from its function in `restitutions`.
 
     Without `rotations` the peaks are valid only if they are inf.
     """
