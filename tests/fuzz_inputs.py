@@ -62,14 +62,18 @@ def fault(data: bytes) -> str:
     """How the readers break a promise with an input; empty where they keep them all."""
     if len(data) < 2:
         return ""
+    file, options = opened(data)
+    return fuzz.call_fault(file.name, lambda: read_source(file, options))
+
+
+def opened(data: bytes) -> tuple[SourceFile, ReadOptions]:
+    """The file of an input, and the options with which it is read."""
     case = CIRCUMSTANCES[data[0] % len(CIRCUMSTANCES)]
     samples, content = short_samples(), data[1:]
     name, beside = f"/records/{case.name}", [(f"/records/{STATION_XML}", samples[STATION_XML])]
     if case.station:
         name, beside, content = f"/records/{MINISEED}", [(f"/records/{STATION_XML}", content)], samples[MINISEED]
-    options = ReadOptions(**case.given)
-    file = SourceFile(name, content[:HEAD], lambda: content, lambda: beside)
-    return fuzz.call_fault(name, lambda: read_source(file, options))
+    return SourceFile(name, content[:HEAD], lambda: content, lambda: beside), ReadOptions(**case.given)
 
 
 def seeds() -> list[bytes]:

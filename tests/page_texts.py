@@ -14,7 +14,7 @@ FOREIGN = {"script", "style", "pre", "inputs"}
 READERS = {"record-warnings", "failures", "left-out"}
 
 #: Fields, values of the configuration, settings and commands.
-QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[\w+\] \w+( = \S+)?|rockpulse \w+")
+QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[+[\w.]+\]+( \w+( = \S+)?)?|--\w+|\b\w+ = \S+|rockpulse \w+")
 
 
 class PageTexts(HTMLParser):

@@ -206,7 +206,7 @@ class BodyPart:
         unused = self.project.add_table("pasted.csv", text.encode())
         self._added(dialog)
         if unused:
-            ui.notify(unused)
+            ui.notify(error_words(unused))
 
     def _taken(self, dialog: Any, event: events.GenericEventArguments) -> None:
         if not event.args["sending"]:

@@ -43,9 +43,10 @@ def file_input(label: str, address: str, handle: Callable[..., Any], folder: str
 
 
 def refused(faults: list[str]) -> None:
-    """Show the reasons why files were not accepted."""
-    for fault in faults:
-        ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
+    """Show the reasons why files were not accepted, each after the name of its file."""
+    for name, _, fault in (one.partition(": ") for one in faults):
+        shown = f"{name}: {error_words(fault.removeprefix(f'{name}: '))}"
+        ui.notify(shown, type="negative", multi_line=True, close_button=True, timeout=0)
 
 
 def plain_error(error: str) -> str:

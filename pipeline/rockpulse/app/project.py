@@ -30,6 +30,7 @@ from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.views.shared.files_used import failure_rows
+from rockpulse.views.shared.words import writing
 
 #: Names of the files of a project.
 CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results.csv"
@@ -247,7 +248,7 @@ class Project:
         path = self.folder / RESULTS
         if not path.is_file() or self.outdated:
             return []
-        with open_results_file(path) as file:
+        with open_results_file(path) as file, writing("en"):  # as those of reading; the page translates all
             rows = failure_rows(file.tree("failures"))
         return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read", "pair")]
 

@@ -23,8 +23,9 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.directions import plan_motions
 from rockpulse.selection.duplicate_selection import without_duplicates
 from rockpulse.selection.events import words_of
+from rockpulse.views.shared.files_used import translated_row
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import counted_words, in_dates, listed, result_text, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, say
 
 #: Columns of the table, and those of numbers.
 COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "shape", "file")
@@ -177,7 +178,8 @@ class RecordPart:
 
     def _left(self, row: Failure) -> None:
         ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
-        ui.label(result_text(row.found).replace(f"{self.project.folder}/", ""))
+        row = translated_row(row)
+        ui.label(row.found.replace(f"{self.project.folder}/", ""))
         for remedy in row.remedies:
             self._remedy(row.file, remedy)
         if row.bare != row.found:

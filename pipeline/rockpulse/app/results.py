@@ -11,7 +11,7 @@ from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RECORDS, RESULTS, R
 from rockpulse.app.table import Table
 from rockpulse.app.window import Panel, Window
 from rockpulse.views.shared.formatting import between, fixed, share, three_digits
-from rockpulse.views.shared.words import result_text, say
+from rockpulse.views.shared.words import reason_words, say
 
 #: Columns of the table of annual frequencies, and numbers in the file from which they are made.
 COLUMNS = ("block", "frequency", "band", "period", "probability")
@@ -141,7 +141,7 @@ class ResultPart:
             columns = [{"name": name, "label": labels[name], "field": name, "align": "left"} for name in COLUMNS]
             Table(say("app.risk.title"), columns, [_frequency(row) for row in rows])
             for row in rows:
-                if notes := ". ".join(risk_words(row[name]) for name in ("statement", "warning") if row[name]):
+                if notes := ". ".join(reason_words(row[name]) for name in ("statement", "warning") if row[name]):
                     ui.label(f"{row['block']}: {notes}").classes("soft")
 
     def show_error(self, error: str) -> None:
@@ -154,12 +154,6 @@ class ResultPart:
         self.start.set_enabled(not error and not lacking)
         self.note.visible = self.project.outdated
         self.risk.visible = not error and bool({"file", "k0"} & {*self.project.section("hazard")})
-
-
-def risk_words(text: str) -> str:
-    """Translate a statement of the command risk, or each part of it, to the current language."""
-    whole = result_text(text)
-    return whole if whole != text else "; ".join(map(result_text, text.split("; ")))
 
 
 def _frequency(row: dict[str, str]) -> dict[str, str]:

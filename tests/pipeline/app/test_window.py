@@ -8,9 +8,8 @@ import pytest
 pytest.importorskip("nicegui", reason="no nicegui: pip install -e '.[app]'")
 from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
-from rockpulse.app.results import risk_words
 from rockpulse.app.window import Window
-from rockpulse.views.shared.words import writing
+from rockpulse.views.shared.words import reason_words, writing
 
 
 @pytest.fixture
@@ -93,14 +92,22 @@ def test_errors_have_the_words_of_the_page(tmp_path, document, words):
         assert plain_error(project.save()).startswith(words)
 
 
+def test_an_error_without_words_is_quoted_as_english():
+    error = "a table of a kind that the page does not know"
+    with writing("it"):
+        assert plain_error(error) == f"messaggio del programma, in inglese: «{error}»"
+        assert plain_error("È in corso un altro calcolo.") == "È in corso un altro calcolo."
+    assert plain_error(error) == error
+
+
 def test_notes_on_frequencies_are_translated():
     lost = "5% of the resamples give no curve, or no curve without one of their earthquakes"
     with writing("it"):
-        narrow = risk_words("the band is too narrow: 5 earthquakes, 14 are needed")
-        both = risk_words(
+        narrow = reason_words("the band is too narrow: 5 earthquakes, 14 are needed")
+        both = reason_words(
             f"the band is too narrow: 5 earthquakes, 14 are needed; {lost}: they are left out of the band"
         )
-        ends = risk_words("12% of its frequency comes from levels above 0.4 g, where the hazard curve ends")
+        ends = reason_words("12% of its frequency comes from levels above 0.4 g, where the hazard curve ends")
     assert narrow == "l'intervallo è troppo stretto: i terremoti sono 5, ne servono 14"
     assert both.startswith(f"{narrow}; il 5 % dei ricampionamenti non dà una curva")
     assert both.endswith(": non contribuiscono all'intervallo")

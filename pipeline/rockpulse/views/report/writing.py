@@ -112,8 +112,7 @@ def report(
     overwrite : bool
         Whether an existing report may be replaced; other files are never replaced.
     language : str
-        Language of texts and numbers: "en" or "it". Reasons for which a file could not be read, and rare warnings
-        on the contents of its header, stay English.
+        Language of texts and numbers: "en" or "it".
     config : Config or path, optional
         Configuration whose author, client, project and logo ([report]) replace those in the results, and whose [check],
         if it gives a spectrum, replaces theirs.

@@ -11,7 +11,7 @@ import xarray as xr
 
 from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
-from rockpulse.views.shared.words import counted_words, language, result_text, say
+from rockpulse.views.shared.words import counted_words, language, reason_words, say
 
 #: Kinds of rows of channels that were read but not assessed, and whose file therefore is used.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
@@ -110,11 +110,15 @@ def failure_rows(tree: xr.DataTree) -> list[Failure]:
         return []
     failures = tree["failures"].to_dataset()
     columns = (failures[name].values.tolist() for name in ("file", "stage", "reason", "kind", "remedy"))
-    return [_translated(Failure(*row)) for row in zip(*columns, strict=True)]
+    return [translated_row(Failure(*row)) for row in zip(*columns, strict=True)]
 
 
-def _translated(row: Failure) -> Failure:
-    return row if language() == "en" else replace(row, reason=row.reason.replace(row.bare, result_text(row.bare)))
+def translated_row(row: Failure) -> Failure:
+    """Return a row of failures with its reason, after the names of file and record, in the current language."""
+    if language() == "en":
+        return row
+    place = f"{row.place}: " if row.reason.startswith(f"{row.place}: ") else ""
+    return replace(row, reason=place + reason_words(row.bare))
 
 
 def _named(row: Failure) -> list[str]:
@@ -137,7 +141,7 @@ def _files_of(source: str, checksums: str) -> list[str]:
 
 def _reasons(rows: Iterable[Failure]) -> str:
     said, rest = reasons_of(rows)
-    return "; ".join([*said, *([f"{rest} more for other reasons"] if rest else [])])
+    return "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
 
 
 def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:

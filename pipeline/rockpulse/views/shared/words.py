@@ -5,14 +5,14 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from string import Formatter
 from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
-from rockpulse.warning_text import TEMPLATES, WarningText, restored
+from rockpulse.warning_text import PLAIN, TEMPLATES, WarningText, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
 #: Codes of the available languages.
@@ -26,6 +26,27 @@ _NUMBER = re.compile(r"[-+]?(?:\d[\d.]*(?:e[-+]?\d+)?|inf|nan)%?")
 _DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
 #: Restitution at the end of the name of a body.
 _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
+#: A quotation from a file.
+_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"")
+#: One of the parts of a text between semicolons; those in quotations do not count.
+_SENTENCE = re.compile(rf"(?:{_QUOTED.pattern}|(?!; ).)+", re.DOTALL)
+#: Patterns of fields of a text: names without blanks, asides with colons, texts with several sentences; by default a
+#: field is a part without colon and semicolon.
+_FIELDS = (
+    {"id": r"\S+?"}
+    | dict.fromkeys(("aside", "beside"), f"{_SENTENCE.pattern[:-1]}*?")
+    | dict.fromkeys(
+        ("reason", "why", "cause", "more", "error", "note", "differences", "readings", "stated", "warning", "lines"),
+        ".*?",
+    )
+)
+_FIELD = f"{_SENTENCE.pattern[:-1].replace('; ', '[:;] ')}*?"
+#: Templates with a warning or a text of any form, which match texts without a code by mistake.
+_ANY_FORM = frozenset({PLAIN, "of_channel"})
+#: Words between blanks that mark a text as English; a note of the user in another language stays as it is.
+_ENGLISH = re.compile(
+    r"(?<![^\s(])(?:the|of|is|are|was|were|not|and|it|that|which|with|from|under|has|have|says|by|expected|found)(?![^\s,:;])"
+)
 
 
 @contextmanager
@@ -126,11 +147,7 @@ def own_name(name: str) -> str:
 
 
 class _Numerals(Formatter):
-    """Fills in the fields of a text, with numbers and warnings in the current language."""
-
-    def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """Return the value of a field; warnings and English texts are translated."""
-        return _translated(super().get_value(key, args, kwargs))
+    """Fills in the fields of a text; numbers get the decimal sign of the current language."""
 
     def format_field(self, value: Any, format_spec: str) -> Any:
         """Return the value of a field as text; numbers get the decimal sign of the current language."""
@@ -142,18 +159,20 @@ class _Numerals(Formatter):
         return text
 
 
-def _translated(value: Any) -> Any:
+def _translated(name: str, value: Any) -> Any:
+    """Return the value of a field of a warning; warnings and English texts are translated."""
     if isinstance(value, WarningText):
         return warning_words(value)
     if isinstance(value, str):
-        return result_text(value)
-    return ", ".join(map(_translated, value)) if isinstance(value, list) else value
+        return _text(name, value)
+    return ", ".join(_translated(name, one) for one in value) if isinstance(value, list) else value
 
 
 def warning_words(warning: WarningText) -> str:
     """Return the text of a warning in the current language."""
     words = translated(f"warnings.{warning.code.partition('/')[0]}", "")
-    return _Numerals().vformat(words, (), warning.values) if words else str(warning)
+    values = {name: _translated(name, value) for name, value in warning.values.items()}
+    return _Numerals().vformat(words, (), values) if words else result_text(warning, PLAIN)
 
 
 def warnings_of(stored: str) -> list[str]:
@@ -162,47 +181,98 @@ def warnings_of(stored: str) -> list[str]:
 
 
 def result_text(text: str, code: str = "") -> str:
-    """Translate an English text of the results to the current language; `code` is its warning code, if it has one."""
-    if language() == "en":
-        return text
-    first, _, inner = code.partition("/")
-    words = table(language()).get(f"warnings.{first}")
-    return _filled(text, {TEMPLATES[first]: words} if words else section("phrases"), inner)
+    """Translate an English text of the results to the current language; `code` is its warning code, if it has one.
+
+    A name or a note of the user stays as it is. An English warning without a translation is replaced by the statement
+    that the results contain it.
+    """
+    found = _result(language(), str(text), code)
+    return reason_words(text, "note") if found is None and code and _ENGLISH.search(text) else found or text
+
+
+def reason_words(text: str, field: str = "reason") -> str:
+    """Translate a reason, as a whole or its parts between semicolons, to the current language.
+
+    Parts without a translation are replaced by the words for `field`, or for advice, in the section [other].
+    """
+    whole = _result(language(), text, "")
+    if whole is not None:
+        return whole
+    first, *others = (one.strip() for one in _SENTENCE.findall(text))
+    words = [_result(language(), first, "") or say(f"other.{field}")]
+    return "; ".join(dict.fromkeys([*words, *(_result(language(), one, "") or say("other.advice") for one in others)]))
 
 
 def error_words(text: str) -> str:
-    """Return the error of a key of the configuration in plain words of the current language, if it has any."""
-    return _filled(text, section("app.error"))
+    """Return an error in plain words of the current language; one without such words is quoted as English."""
+    found = _filled(text, section("app.error")) or _result(language(), text, "")
+    return say("other.message", text=text) if found is None and _ENGLISH.search(text) else found or text
 
 
-def _filled(text: str, templates: Mapping[str, str], inner: str = "") -> str:
-    """Return the words of the first template that a text is made from, with the fields of the text."""
-    for template, translation in templates.items():
-        if found := _pattern(template).fullmatch(text):
-            parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
-            return _Numerals().vformat(translation, (), parts)
-    return text
-
-
-def _part(name: str, part: str, code: str) -> str:
-    if _NUMBER.fullmatch(part):
-        return numerals(part.replace("%", " %"))
-    return result_text(part, code if name == "warning" else "")
+@lru_cache(maxsize=4096)
+def _result(of: str, text: str, code: str) -> str | None:
+    """Translate a text of the results to the language `of`, the current one; None if it has no translation."""
+    if of == "en" or not text:
+        return text
+    first, _, inner = code.partition("/")
+    words = table(of).get(f"warnings.{first}")
+    return _filled(text, {TEMPLATES[first]: words}, inner) if words else _filled(text, _templates(of), strict=True)
 
 
 @cache
-def _pattern(template: str) -> re.Pattern[str]:
-    """Return a pattern that matches every text made from a template; the fields are named groups."""
-    fields = Formatter().parse(template)
-    return re.compile(
-        "".join(
-            re.escape(text) + (f"(?P<{name}>{_NUMBER.pattern if form else '.*?'})" if name else "")
-            for text, name, form, _ in fields
-        )
-    )
+def _templates(of: str) -> dict[str, str]:
+    """Return the words of a language for texts without a code, by the English template."""
+    coded = {code: table(of).get(f"warnings.{code}", "") for code in TEMPLATES if code not in _ANY_FORM}
+    return {TEMPLATES[code]: words for code, words in coded.items() if words} | section("phrases")
+
+
+def _filled(text: str, templates: Mapping[str, str], inner: str = "", strict: bool = False) -> str | None:
+    """Return the words of the first template that a text is made from, with the fields of the text; None without.
+
+    With `strict`, a template whose fields would contain English is left out.
+    """
+    for template, translation in templates.items():
+        if all(part in text for part in _fixed(template)) and (found := _pattern(template, strict).fullmatch(text)):
+            parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
+            kept = [
+                _QUOTED.sub("", part) for name, part in parts.items() if re.search(rf"(?<!«){{{name}\b", translation)
+            ]
+            if not (strict and any(map(_ENGLISH.search, kept))):
+                return _Numerals().vformat(translation, (), parts)
+    return None
+
+
+def _part(name: str, part: str, code: str) -> str:
+    """Return a field of an English text in the current language; `code` is the code of a nested warning."""
+    if _NUMBER.fullmatch(part):
+        return numerals(part.replace("%", " %"))
+    return result_text(part, code) if name == "warning" else _text(name, part)
+
+
+def _text(name: str, text: str) -> str:
+    """Translate the text of a field; one in the section [other] is never left in English."""
+    if _QUOTED.fullmatch(text):
+        return text
+    return reason_words(text, name) if f"other.{name}" in table(language()) else result_text(text)
+
+
+@cache
+def _fixed(template: str) -> tuple[str, ...]:
+    """Return the parts of a template between its fields."""
+    return tuple(text for text, *_ in Formatter().parse(template))
+
+
+@cache
+def _pattern(template: str, strict: bool) -> re.Pattern[str]:
+    """Return a pattern that matches every text made from a template; the fields are named groups, if `strict` short."""
+    pattern = ""
+    for text, name, form, _ in Formatter().parse(template):
+        field = _NUMBER.pattern if form else _FIELDS.get(name or "", _FIELD) if strict else ".*?"
+        pattern += re.escape(text) + (f"(?P<{name}>{field})" if name else "")
+    return re.compile(pattern, re.DOTALL)
 
 
 def result_texts(texts: str, codes: str = "") -> str:
     """Translate the lines of an English text of the results; `codes` are the warning codes of the lines."""
-    lines, of_lines = texts.split("\n"), codes.split(" ")
-    return "\n".join(map(result_text, lines, of_lines if len(of_lines) == len(lines) else [""] * len(lines)))
+    lines, of_lines = texts.split("\n"), [code or PLAIN for code in codes.split(" ")]
+    return "\n".join(map(result_text, lines, of_lines if len(of_lines) == len(lines) else [PLAIN] * len(lines)))

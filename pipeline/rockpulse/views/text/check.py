@@ -9,7 +9,7 @@ import xarray as xr
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, six_digits, three_digits
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.table_columns import Column, tabulated, titled
-from rockpulse.views.shared.words import counted_words, result_text, say
+from rockpulse.views.shared.words import counted_words, reason_words, result_text, say
 
 
 def code_words(code: str) -> str:
@@ -142,7 +142,7 @@ def check_notes(check: xr.Dataset) -> list[str]:
                 sense = say(f"check.{opens}")
                 notes.append(say("check.opens", name=name, code=code_words(code), sense=sense, moved=moved))
     for name, row in zip(names, check["statement"].values, strict=True):
-        said = ["; ".join(map(result_text, str(one).split("; "))) for one in row]
+        said = [reason_words(str(one)) for one in row]
         if len(row) > 1 and len(set(said)) == 1 and said[0]:
             notes.append(f"{name}: {said[0]}.")
         else:

@@ -84,7 +84,7 @@ def test_the_commonest_reasons_come_first_each_with_its_files_and_the_rest_as_a_
     ]
     assert count_files(["a"], rows).sentence == (
         "1 of 14 files used (13 rejected): cut (m0.asc, m1.asc, m2.asc, m3.asc, m4.asc, m5.asc, m6.asc, m7.asc, "
-        "m8.asc); odd 0 (odd0); odd 1 (odd1); 2 more for other reasons."
+        "m8.asc); odd 0 (odd0); odd 1 (odd1); 2 for other reasons."
     )
     long = f"b: {'many words ' * 40}\nin lines; do this"
     assert "\n" not in (said := count_files((), [row("b", reason=long)]).sentence)
