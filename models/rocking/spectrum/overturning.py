@@ -259,8 +259,8 @@ class OverturningSpectrum:
         lowest, highest = self.lanes.between
         if not np.all(covered_range(nominal, self.uncertainty, self.lanes.between)):
             raise ValueError(
-                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, lie in "
-                f"{lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
+                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, lie "
+                f"in {lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
                 f"{restitution!r:.80}"
             )
         least, most = (share * nominal for share in self.uncertainty.restitution)
