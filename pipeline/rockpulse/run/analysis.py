@@ -185,7 +185,7 @@ def worked(
     """Process a channel or pair; yield a part for each record made from it, or a failure for each unused channel."""
     try:
         with watch("condition"):
-            copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm, "select")
+            copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm)
             if copies:
                 yield from copies
                 return

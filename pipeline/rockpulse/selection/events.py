@@ -41,9 +41,8 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Yield pairs (indices) of records of one earthquake, enough to connect all its records among those in `free`."""
-    for members in _grouped(free, lambda index: records[index].source or None):
-        yield from pairwise(members)
-    for members in _grouped(free, lambda index: records[index].together or None):
+    by_file = _grouped(free, lambda index: records[index].source or None)
+    for members in by_file + _grouped(free, lambda index: records[index].together or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
     yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)

@@ -109,9 +109,7 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
     return found
 
 
-def clock_twin(
-    channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
-) -> list[Failure]:
+def clock_twin(channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str]) -> list[Failure]:
     """Return a failure row for each channel that repeats another record with a different clock time.
 
     Confirmed records are preferred to others, then processed records to raw records.
@@ -131,7 +129,7 @@ def clock_twin(
                 f"the same motion as {one.other.id} of {one.other.source} (correlation {like.correlation:.3f}), "
                 f"which is used instead; their clocks differ by {off:.6g} s"
             )
-            return [Failure(each.source, stage, f"{each.id}: {reason}", "duplicate") for each in channels]
+            return [Failure(each.source, "select", f"{each.id}: {reason}", "duplicate") for each in channels]
     return []
 
 

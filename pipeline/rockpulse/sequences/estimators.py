@@ -44,10 +44,7 @@ SECONDARY: dict[str, Callable[[np.ndarray], float]] = {
     "rms": lambda others: float(np.sqrt(np.mean(others**2))),
 }
 #: Estimators of the interval of the secondary impulses from the spacings of successive centroids [s].
-INTERVAL: dict[str, Callable[[np.ndarray], float]] = {
-    "median": lambda spacings: float(np.median(spacings)),
-    "mean": lambda spacings: float(np.mean(spacings)),
-}
+INTERVAL = {name: SECONDARY[name] for name in ("median", "mean")}
 #: Estimators of the number of main impulses from absolute impulses in descending order; None means no limit.
 MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
     "half-largest": lambda sizes: int(np.count_nonzero(sizes > MAIN_SHARE * sizes[0])),

@@ -14,7 +14,6 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.prose import stated_direction
 from rockpulse.warning_text import WarningText
 
 _HEADER_LIMIT = 10
@@ -189,7 +188,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
         return titled, []
     named = kit.name_direction(file)
     if titled.orientation == "unknown":
-        titled = stated_direction(header)
+        titled = kit.stated_direction(header)
     if titled.orientation == "unknown" or named.orientation == "unknown":
         return (named if titled.orientation == "unknown" else titled), []
     if named.orientation == titled.orientation:

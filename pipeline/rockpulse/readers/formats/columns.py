@@ -11,24 +11,8 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, Remedy
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.integrals import with_slopes
 from rockpulse.readers.kit.column_statements import column_directions, column_units, same_directions, stated_peak
-from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
-from rockpulse.readers.kit.headings import ColumnHeading, column_headings
-from rockpulse.readers.kit.motion_kinds import means_size
-from rockpulse.readers.kit.number_table import (
-    LINE_LIMIT,
-    NUMBER,
-    Layout,
-    Numbered,
-    check_decimals,
-    find_layout,
-    number_lines,
-    read_table,
-    row_width,
-)
-from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.kit.stamps import without_stamps
+from rockpulse.readers.parts import with_slopes
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # number of rows that are checked to recognise a table
@@ -51,7 +35,7 @@ class _Columns:
     """The numbers of a table, the headings of its columns (empty if it has none), and warnings."""
 
     table: np.ndarray
-    headings: tuple[ColumnHeading, ...]
+    headings: tuple[kit.ColumnHeading, ...]
     warnings: tuple[str, ...] = ()
 
     @property
@@ -70,12 +54,12 @@ def is_columns(head: bytes, name: str) -> bool:
     if b"\x00" in head:
         return False
     lines, _ = _lines(head)
-    layout = find_layout(lines)
+    layout = kit.find_layout(lines)
     if layout is None:
         return False
     rows = [line for line in lines[layout.start :] if line.strip()][:_LOOK_AT]
     # Prose may end in a number; a table with a few damaged rows is still a table.
-    return 2 * sum(row_width(row, layout.delimiter) == layout.width for row in rows) >= len(rows)
+    return 2 * sum(kit.row_width(row, layout.delimiter) == layout.width for row in rows) >= len(rows)
 
 
 def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -86,7 +70,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     numbers.
     """
     lines, start_time = _lines(file.content)
-    layout = find_layout(lines)
+    layout = kit.find_layout(lines)
     if layout is None:
         expected = "rows of numbers, all with the same number of columns"
         raise RecordFormatError(f"{file.name}: expected {expected}, found none")
@@ -95,49 +79,49 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             found = f"numbers that touch in {line.strip()[:_SHOWN]!r}"
             raise kit.unexpected(f"{file.name}:{number}", "blanks between numbers", found, "separate them")
     _check_above(file.name, lines, layout)
-    headings, end = column_headings(lines[: layout.start], layout)
+    headings, end = kit.column_headings(lines[: layout.start], layout)
     stop = kit.end_of_numbers(lines, layout.start)
-    numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
+    numbered = kit.number_lines(file.name, lines[:stop], layout, kit.names_time(headings))
     where = f"{file.name}:{numbered.start + 1}"
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in kit.stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
     lacking = [kit.GIVE_UNIT] * (options.units is None) + [kit.GIVE_INTERVAL] * (declared is None)
     prose = lines[:end]
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
-    if columns.width > 1 and counts_rows(columns.table, columns.headings):
+    if columns.width > 1 and kit.counts_rows(columns.table, columns.headings):
         columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
     columns = _with_one_time(columns)
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
-    if climbs(columns.table[:, 0]) and not climbs(columns.table[:, at]):
+    if kit.climbs(columns.table[:, 0]) and not kit.climbs(columns.table[:, at]):
         # The headings are a title, such as "Acceleration (g) vs Time (s)".
         columns, prose = replace(columns, headings=()), lines[: layout.start]
     elif at:
         columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
-    first = columns.headings[0] if columns.headings else ColumnHeading("")
+    first = columns.headings[0] if columns.headings else kit.ColumnHeading("")
     climb = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
         raise kit.no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
-    step, times = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
+    step, times = kit.time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
             raise kit.unexpected(where, expected, "that it increases like times", _name_them(columns.width, True))
         columns = columns.picked(range(1, columns.width))
     if times is not None:
-        table, remark = at_even_times(times, columns.table)
+        table, remark = kit.at_even_times(times, columns.table)
         columns = replace(columns, table=table, warnings=(*columns.warnings, remark))
     wide = step is None and not columns.headings and columns.width > _NO_STATION
     if not lacking and wide and kit.runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
     columns = _accelerations(file, columns, prose)
-    headings = columns.headings or (ColumnHeading(""),) * columns.width
+    headings = columns.headings or (kit.ColumnHeading(""),) * columns.width
     units = column_units(file.name, headings, prose, options)
     facing = column_directions(file, headings, prose)
     given = options.said_by("dt").removeprefix("the ")
     sources = {"time column": step, "first line": numbered.step, **steps, given: options.dt}
-    dt = agreed_step(file.name, sources, options.advice("dt") if options.dt else "correct the wrong one", given)
+    dt = kit.agreed_step(file.name, sources, options.advice("dt") if options.dt else "correct the wrong one", given)
     notes: list[str] = [
         *columns.warnings,
         *kit.held_units(zip((heading.name for heading in headings), units, strict=True)),
@@ -158,9 +142,9 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             processed=None,
             component=heading.name or toward.label,
             facing=toward,
-            channel=BRACKET.sub(_direction_in, heading.name).strip()
+            channel=kit.BRACKET.sub(_direction_in, heading.name).strip()
             or toward.label
-            or name_suffix(file)
+            or kit.name_suffix(file)
             or str(number),
             station_name=kit.stated_station(prose),
             start_time=start_time or kit.stated_start(prose),
@@ -176,19 +160,19 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
     """Return the lines, with touching numbers separated and times as seconds, and the UTC time of the first row."""
-    return without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
+    return kit.without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
-def _check_above(name: str, lines: Sequence[str], layout: Layout) -> None:
+def _check_above(name: str, lines: Sequence[str], layout: kit.Layout) -> None:
     """Raise an error if a damaged row precedes the table, below its headings or below another row of numbers."""
     filled = [index for index, line in enumerate(lines[: layout.start]) if line.strip()]
     for before, at in pairwise(filled):
-        cells = [cell.strip(' "\r') for cell in lines[at][:LINE_LIMIT].strip().split(layout.delimiter or "\t")]
-        wrong = [column for column, cell in enumerate(cells, 1) if not NUMBER.fullmatch(cell)]
+        cells = [cell.strip(' "\r') for cell in lines[at][: kit.LINE_LIMIT].strip().split(layout.delimiter or "\t")]
+        wrong = [column for column, cell in enumerate(cells, 1) if not kit.NUMBER.fullmatch(cell)]
         if len(cells) != layout.width or not 0 < len(wrong) < len(cells):
             continue
-        is_row = row_width(lines[before], layout.delimiter) == layout.width
-        if is_row or (1 not in wrong and column_headings(lines[:at], layout)[0]):
+        is_row = kit.row_width(lines[before], layout.delimiter) == layout.width
+        if is_row or (1 not in wrong and kit.column_headings(lines[:at], layout)[0]):
             found = repr(cells[wrong[0] - 1][:_SHOWN])
             raise kit.unexpected(f"{name}:{at + 1}", f"a number in column {wrong[0]}", found, "repair the cell")
 
@@ -207,15 +191,15 @@ def _with_one_time(columns: _Columns) -> _Columns:
 
 def _direction_in(bracket: re.Match[str]) -> str:
     """Return the text in brackets if it is a direction; empty if it is a unit."""
-    return bracket[1] if is_direction(bracket[1].strip()) else ""
+    return bracket[1] if kit.is_direction(bracket[1].strip()) else ""
 
 
 def _columns(
     name: str,
     lines: Sequence[str],
-    layout: Layout,
-    headings: tuple[ColumnHeading, ...],
-    numbered: Numbered,
+    layout: kit.Layout,
+    headings: tuple[kit.ColumnHeading, ...],
+    numbered: kit.Numbered,
     prose: Sequence[str],
     lacking: Sequence[Remedy],
     behind: Sequence[str],
@@ -223,7 +207,7 @@ def _columns(
     """Return the table of the file; if one series is wrapped into its rows, return it as a single column."""
     first = numbered.start + 1
     rows = lines[numbered.start :]
-    check_decimals(name, rows, layout, first, bool(headings))
+    kit.check_decimals(name, rows, layout, first, bool(headings))
     filled = [index for index, row in enumerate(rows) if row.strip()]
     last = kit.split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
@@ -234,8 +218,9 @@ def _columns(
     is_series = layout.width > 1 and not headings and values in counts and len(filled) not in counts
     is_short = layout.width > len(last) and not headings and layout.width > 2
     if is_series or is_short:
-        body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), warnings)
-        end = read_table(name, rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last)), first + filled[-1])
+        body = _Columns(kit.read_table(name, rows[: filled[-1]], layout, first), (), warnings)
+        last_row, shorter = rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last))
+        end = kit.read_table(name, last_row, shorter, first + filled[-1])
         if is_series:
             return _in_reading_order(body, end)
     if numbered.count > values:
@@ -247,7 +232,7 @@ def _columns(
             return _in_reading_order(replace(body, warnings=(*body.warnings, *other)), end, guessed=True)
         found = f"a last row of {len(last)} below rows of {layout.width}"
         raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, lacking)
-    table = read_table(name, rows, layout, first)
+    table = kit.read_table(name, rows, layout, first)
     if numbered.step is not None:
         kit.check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
         if (beyond := len(table) - numbered.count) > 0:
@@ -260,9 +245,9 @@ def _columns(
     return _Columns(table, headings, warnings)
 
 
-def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
+def _behind(name: str, line: int, behind: Sequence[str], layout: kit.Layout, complete: bool) -> tuple[str, ...]:
     """Return a warning about lines after the numbers; raise an error if the lines may contain more samples."""
-    rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
+    rows = [kit.row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
     stop = f"the numbers stop at {behind[0].strip()[:_SHOWN]!r}"
@@ -317,7 +302,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[Remedy]) -> R
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[Remedy]) -> None:
     """Raise an error if nothing states which quantity each column contains."""
     width = columns.width
-    late = next((index for index in range(width) if climbs(columns.table[:, index])), None)
+    late = next((index for index in range(width) if kit.climbs(columns.table[:, index])), None)
     if late is not None:
         found, advice = f"that column {late + 1 + timed} increases like times", "write the times as the first column"
         raise kit.unexpected(where, "accelerations", found, advice)
@@ -343,7 +328,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
     """Return the columns of accelerations by headings, header text or file name; raise an error if there are none."""
     name, sizes = file.name, _sizes(columns)
-    headings = columns.headings or (ColumnHeading(""),) * columns.width
+    headings = columns.headings or (kit.ColumnHeading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
     fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
     fits = [fit and index not in sizes for index, fit in enumerate(fits)]
@@ -375,13 +360,13 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
 def _sizes(columns: _Columns) -> list[int]:
     """Return the indices of columns that contain the magnitude of a vector, according to heading or numbers."""
     if columns.width < _COMPONENTS:
-        headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
+        headed = [kit.means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
         return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]
     with np.errstate(over="ignore"):
         squares = columns.table**2
     found = []
     for index in np.flatnonzero(np.all(columns.table >= 0.0, axis=0) & np.any(columns.table > 0.0, axis=0)):
-        named = bool(columns.headings) and means_size(columns.headings[index].name)
+        named = bool(columns.headings) and kit.means_size(columns.headings[index].name)
         before = np.sum(squares[:, max(index - _COMPONENTS, 0) : index], axis=1)
         if named or (index > 1 and np.allclose(before, squares[:, index], rtol=0.01, atol=1e-4 * np.max(before))):
             found.append(int(index))

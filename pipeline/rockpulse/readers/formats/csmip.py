@@ -4,6 +4,10 @@ Volume 1, uncorrected: channels as in `kit.csmip_layout`, then a heading and the
 heading, but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each
 channel is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings
 also name the Fortran format, and headings of USC have no unit. Volume 3, spectra, is rejected with a clear message.
+
+Files of RENADIC (Universidad de Chile) are volumes 1 of pairs. Recorders with four channels have one without a sensor,
+which contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin times are from
+the clocks of the instruments, some of which were never set.
 """
 
 import re
@@ -12,10 +16,11 @@ from dataclasses import replace
 from functools import partial
 from typing import NoReturn
 
-from rockpulse.errors import UnitError
+from rockpulse.errors import RecordRefused, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit import csmip_layout as layout
+from rockpulse.readers.parts import PartRule
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
@@ -46,6 +51,7 @@ _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
 #: Pattern of the line with the station number, and of the line below it with the name.
 _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
+_FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
 _SPECTRA_OPENING = 4000  # number of bytes at the start of a file in which spectra are recognised
 
 
@@ -236,6 +242,30 @@ def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
     raise kit.no_acceleration(f"{file.name}:1", f"an accelerogram{of}", _SPECTRA_WORDS, advice)
 
 
+def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read every channel except dead ones; raise RecordRefused if all are dead."""
+    records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
+    kept = [record for record in records if record.acceleration.any()]
+    if not kept:
+        raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")
+    notes = [
+        f"channel {number} ({record.component}) is dead, all samples are zero; it was left out"
+        for number, record in enumerate(records, start=1)
+        if not record.acceleration.any()
+    ]
+    return kit.with_warnings(kept, notes)
+
+
+def _first_times(file: kit.SourceFile) -> dict[str, float]:
+    """Return the time of the first sample of each component [s]; if a component occurs twice, the first one is used."""
+    lines, spans, _ = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
+    times: dict[str, float] = {}
+    for start, _ in spans:
+        component = layout.read_csmip_header(lines[start : start + layout.HEADER_LINES]).full_component.strip()
+        times.setdefault(component, float(kit.matched(_FIRST_TIME, lines[start + layout.HEADER_LINES]) or 0.0))
+    return times
+
+
 CSMIP_V1 = Format(
     name="csmip_v1",
     what="CSMIP volume 1, both layouts",
@@ -264,4 +294,14 @@ CSMIP_V3 = Format(
     example="CE89146.V3",
     detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
     parse=refuse_spectra,
+)
+RENADIC = Format(
+    name="renadic",
+    what="RENADIC (Chile) volume 1, parts joined",
+    recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
+    unit="g/10, from the header",
+    example="curico1002271parte1.v1",
+    detect=partial(is_uncorrected, renadic=True),
+    parse=read_renadic,
+    parts=PartRule(re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII), _first_times),
 )

@@ -6,6 +6,7 @@ from rockpulse.readers.kit.channel import *
 from rockpulse.readers.kit.checks import *
 from rockpulse.readers.kit.direction import *
 from rockpulse.readers.kit.facts import *
+from rockpulse.readers.kit.headings import *
 from rockpulse.readers.kit.motion_kinds import *
 from rockpulse.readers.kit.number_table import *
 from rockpulse.readers.kit.prose import *

@@ -22,12 +22,29 @@ from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.run.analysis import Analysis, Part, Records, Watch, Work, joined, run
 from rockpulse.selection.directions import Motion, PlannedMotion
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.storage.variables import failure_table, with_values
-from rockpulse.storage.variables.selection import SELECTION
+from rockpulse.storage.variables import Declared, along, failure_table, real, text, with_values
 from rockpulse.studies.check.code_spectra import read_spectrum, spectrum_of
 
 #: Number of periods, equally spaced in their logarithm, at which spectra are compared.
 PERIODS = 60
+#: The variables of the results.
+SELECTION: Declared = {
+    **along(
+        ("record",),
+        factor=real("scale factor of the record"),
+        event=text("earthquake of the record"),
+    ),
+    **along(
+        ("record", "period"),
+        spectrum=real("5 % damped pseudo-acceleration of the scaled record", "m s^-2"),
+    ),
+    **along(
+        ("period",),
+        period=real("period of the oscillator", "s"),
+        mean=real("mean of the spectra of the scaled records", "m s^-2"),
+        target=real("target spectrum", "m s^-2"),
+    ),
+}
 
 
 def select(

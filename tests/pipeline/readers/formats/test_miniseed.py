@@ -1,10 +1,12 @@
-"""miniSEED with StationXML beside it: files synthesised with obspy, and real ones; what obspy says of either format."""
+"""miniSEED with StationXML beside it, or ArcLink or dataless SEED: synthesised and real files; what obspy says."""
 
 import os
 import re
+import shutil
 import threading
 import warnings
 from datetime import UTC, datetime
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,18 +15,20 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
 from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, contradicts_channel, obspy_notes
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.source import NoRecord, NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
 START = "2020-01-02T03:04:05.5"
 
 
-def trace(channel="HNE", counts=COUNTS, start=START):
+def trace(channel="HNE", counts=COUNTS, start=START, codes="XX.ABC.00"):
     import obspy
 
-    header = {"network": "XX", "station": "ABC", "location": "00", "channel": channel, "sampling_rate": 100.0}
+    network, station, location = codes.split(".")
+    header = {"network": network, "station": station, "location": location, "channel": channel, "sampling_rate": 100.0}
     return obspy.Trace(counts, {**header, "starttime": obspy.UTCDateTime(start)})
 
 
@@ -356,3 +360,60 @@ def test_a_channel_of_the_station_metadata_that_obspy_leaves_out_is_named(sample
     (tmp_path / "CI.CLC.xml").write_bytes((formats / "CI.CLC.xml").read_bytes().replace(b"<Depth>0.0<", b"<Depth>NaN<"))
     with pytest.raises(RecordRefused, match=r"no sensitivity .*CI\.CLC\.xml: obspy: .*depth"):
         read(tmp_path / "CI.CLC.mseed")
+
+
+#: An inventory that is no StationXML.
+ARCLINK = """<inventory xmlns="http://geofon.gfz-potsdam.de/ns/Inventory/1.0/">
+ <network code="XX" description="A net" start="1980-01-01T00:00:00.0000Z" publicID="Network/1">
+  <station code="ABC" description="A place" latitude="38.0" longitude="40.0" elevation="9.0"
+    start="2000-01-01T00:00:00.0000Z" publicID="Station/1">
+   <sensorLocation code="" latitude="38.0" longitude="40.0" elevation="9.0" start="2000-01-01T00:00:00.0000Z"
+     publicID="SensorLocation/1">
+    <stream code="HNE" azimuth="90.0" dip="0.0" depth="0.0" format="Steim2" gain="200000.0" gainFrequency="1.0"
+      gainUnit="M/S**2" sampleRateNumerator="100" sampleRateDenominator="1" sensor="Sensor/1" sensorChannel="0"
+      datalogger="Datalogger/1" dataloggerChannel="0" maxClockDrift="0.0" start="2000-01-01T00:00:00.0000Z"
+      publicID="Stream/1" />
+   </sensorLocation>
+  </station>
+ </network>
+ <sensor name="S" publicID="Sensor/1" response="ResponsePAZ/1" unit="M/S**2" />
+ <datalogger name="D" publicID="Datalogger/1" gain="1.0" maxClockDrift="0.0"><decimation sampleRateNumerator="100"
+   sampleRateDenominator="1"><analogueFilterChain /><digitalFilterChain>ResponseFIR/1</digitalFilterChain></decimation>
+ </datalogger>
+ <responsePAZ name="S" publicID="ResponsePAZ/1" type="A" gain="200000.0" gainFrequency="1.0" normalizationFactor="1.0"
+   normalizationFrequency="1.0" numberOfZeros="0" numberOfPoles="0"><zeros /><poles /></responsePAZ>
+ <responseFIR name="F" publicID="ResponseFIR/1" gain="1.0" decimationFactor="1" delay="0.0" correction="0.0"
+   numberOfCoefficients="1" symmetry="A"><coefficients>1.0</coefficients></responseFIR>
+</inventory>
+"""
+
+
+@pytest.mark.sweep
+def test_the_gain_of_an_inventory_of_arclink(tmp_path):
+    write_miniseed(tmp_path, trace(codes="XX.ABC."))
+    (tmp_path / "inventory.xml").write_text(ARCLINK, encoding="ascii")
+    (record,), failures = read_all(tmp_path)
+    assert failures == []
+    assert record.acceleration == pytest.approx(COUNTS / 2.0e5)
+    assert record.azimuth == 90.0
+
+
+@pytest.mark.sweep
+def test_full_seed_has_its_gain_within_and_dataless_seed_no_samples(tmp_path):
+    import obspy
+
+    dataless = Path(obspy.__file__).parent / "io" / "xseed" / "tests" / "data" / "bug165.dataless"
+    if not dataless.is_file():
+        pytest.skip("obspy without the data of its tests")
+    alone = write_miniseed(tmp_path, trace("HNZ", start="2012-01-01", codes="NZ.DCZ.20"), name="alone.mseed")
+    folder = tmp_path / "whole"
+    folder.mkdir()
+    (folder / "whole.seed").write_bytes(dataless.read_bytes() + alone.read_bytes())
+    (folder / "beside.dataless").write_bytes(dataless.read_bytes())
+    (record,), _ = read_all(folder)
+    assert (record.orientation, record.npts, record.station) == ("vertical", 1000, "DCZ")
+    assert record.pga == pytest.approx(np.max(np.abs(COUNTS * record.unit_factor)))
+    shutil.copy(alone, folder)
+    assert np.array_equal(read(folder / "alone.mseed")[0].acceleration, record.acceleration)
+    with pytest.raises(NoRecord, match="dataless SEED"):
+        read(folder / "beside.dataless")
