@@ -3,6 +3,8 @@
 import math
 from functools import partial
 from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -49,7 +51,7 @@ class BodyRow:
             with ui.element("div").classes("main"):
                 with ui.element("div").classes("keys"):
                     self.fields = [("block", Fields(BlockSettings, values, self._changed).add(*ROW))]
-                    self.page.bin(say("app.bodies.remove"), partial(part.remove, self))
+                    self.page.bin(say("app.bodies.remove"), partial(part.remove, values))
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
                 self.confirm = self.page.button(say("app.bodies.confirm"), self._confirm).props("dense")
@@ -141,11 +143,15 @@ class BodyPart:
     name = "bodies"
 
     def __init__(self, page: Window) -> None:
-        self.page, self.project, self.most = page, page.project, FIRST
+        self.page, self.project = page, page.project
 
     def show(self) -> None:
         """Build the section on the page; the rows follow once the solvers are imported."""
         self.rows = ui.element("div").classes("wide")
+        self.others = Panel(
+            self.page, say("app.bodies.others"), lambda: self._add_rows(self.project.several("block")[FIRST:])
+        )
+        self.others.visible = False
         with ui.row():
             self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
             self.page.button(say("app.bodies.paste"), self._paste)
@@ -160,32 +166,30 @@ class BodyPart:
         bodies = self.project.several("block")
         self.rows.clear()
         with self.rows:
-            for values in bodies[: self.most]:
-                BodyRow(self, values)
-            if len(bodies) > self.most:
-                self.page.button(say("app.bodies.all"), self._show_all)
+            self._add_rows(bodies[:FIRST])
+        self.others.visible = len(bodies) > FIRST
+        self.others.renew()
 
-    def _show_all(self) -> None:
-        self.most = len(self.project.several("block"))
-        self._show_rows()
+    def _add_rows(self, bodies: list[dict[str, Any]]) -> None:
+        for values in bodies:
+            BodyRow(self, values)
 
     def _add(self) -> None:
         bodies = self.project.several("block")
         names = {row.get("name") for row in bodies}
         number = next(number for number in range(1, len(names) + 2) if say("app.bodies.name", n=number) not in names)
         bodies.append({"name": say("app.bodies.name", n=number)})
-        if len(bodies) > self.most + 1:
-            self._show_all()
+        if len(bodies) > FIRST and not self.others.value:
+            self.others.visible = self.others.value = True
         else:
-            self.most = max(self.most, len(bodies))
-            with self.rows:
-                BodyRow(self, bodies[-1])
+            with self.rows if len(bodies) <= FIRST else self.others:
+                self._add_rows(bodies[-1:])
         self.page.changed()
 
-    def remove(self, row: BodyRow) -> None:
-        """Remove the body of a row."""
-        self.project.document["block"] = [one for one in self.project.several("block") if one is not row.values]
-        row.frame.delete()
+    def remove(self, values: dict[str, Any]) -> None:
+        """Remove a body."""
+        self.project.document["block"] = [one for one in self.project.several("block") if one is not values]
+        self._show_rows()
         self.page.changed()
 
     def _paste(self) -> None:
@@ -193,7 +197,7 @@ class BodyPart:
             ui.label(say("app.bodies.paste_intro"))
             pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
             pasted.props("outlined").classes("wide")
-            file_input(say("app.bodies.file"), "/table", self.page.handler(partial(self._taken, dialog)))
+            file_input(say("app.bodies.file"), "bodies", self.page.handler(partial(self._taken, dialog)))
             with ui.row():
                 take = self.page.button(say("app.bodies.take"), lambda: self._text(pasted.value or "", dialog))
                 take.props(remove="outline")
@@ -203,7 +207,10 @@ class BodyPart:
         if not text.lstrip().lower().startswith("name"):
             mark = next((mark for mark in ("\t", ";") if mark in text), ",")
             text = f"{HEADINGS.replace(',', mark)}\n{text}"
-        unused = self.project.add_table("pasted.csv", text.encode())
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "pasted.csv")
+            path.write_text(text, encoding="utf-8")
+            unused = self.project.add_table(path.name, path)
         self._added(dialog)
         if unused:
             ui.notify(error_words(unused))
@@ -215,7 +222,8 @@ class BodyPart:
 
     def _added(self, dialog: Any) -> None:
         dialog.close()
-        self._show_all()
+        self._show_rows()
+        self.others.value = True
         self.page.shown_error()
 
     def show_error(self, error: str) -> None:

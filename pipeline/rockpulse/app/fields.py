@@ -24,22 +24,22 @@ SEND = """async (event) => { event.preventDefault(); const faults = [], files = 
     await inside(entry).catch((fault) => faults.push(`${entry.name}: ${fault}`));
   else files.push(...[...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
   for (const [name, file] of files.filter(([name]) => !/[/][.]/.test(name))) { emit({sending: file.name, faults});
-    try { const answer = await fetch(`ADDRESS?name=${encodeURIComponent(name)}`, {method: "POST", body: file});
+    try { const answer = await fetch(`/upload/KIND?name=${encodeURIComponent(name)}`, {method: "POST", body: file});
       if (!answer.ok) faults.push(`${name}: ${await answer.text()}`); }
     catch (fault) { faults.push(`${name}: ${fault}`); } }
   if (!event.dataTransfer) event.target.value = ""; emit({sending: "", faults}); }"""
 
 
-def file_input(label: str, address: str, handle: Callable[..., Any], folder: str = "") -> None:
-    """Show a file input, and one of a folder if it has a label; chosen and dropped files are sent to `address`."""
-    send = SEND.replace("ADDRESS", address)
+def file_input(label: str, kind: str, handle: Callable[..., Any], folder: str = "") -> None:
+    """Show a file input, and one of a folder if it has a label; chosen and dropped files are sent to the server."""
+    send = SEND.replace("KIND", kind)
     with ui.element("div").classes("drop").on("dragover", js_handler="(event) => event.preventDefault()") as field:
         field.on("drop", handle, js_handler=send)
-        for text, kind in ((label, "multiple"), (folder, "webkitdirectory")):
+        for text, several in ((label, "multiple"), (folder, "webkitdirectory")):
             if text:
                 with ui.element("label"):
                     ui.label(text)
-                    ui.element("input").props(f'type="file" {kind}').on("change", handle, js_handler=send)
+                    ui.element("input").props(f'type="file" {several}').on("change", handle, js_handler=send)
 
 
 def refused(faults: list[str]) -> None:
