@@ -175,7 +175,7 @@ def entries(cls: type[Section]) -> Any:
     def accepts(value: Any) -> bool:
         return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)
 
-    made = KeyType(f"a list of {cls.__name__}, each of them {cls.heading}", accepts, tuple)
+    made = KeyType(f"a list of {cls.__name__}, in TOML {cls.heading}", accepts, tuple)
     return dataclasses.field(default=(), metadata={"values": made, "entries": cls})
 
 

@@ -315,7 +315,7 @@ class CheckSettings(Section):
         if self.spectrum != "ntc" and (given := [name for name, value in of_ntc.items() if value is not None]):
             raise misplaced(self, given[0], "spectrum", '"ntc"')
         if self.spectrum != "ntc" and self.topography != "T1":
-            raise misplaced(self, "topography", "spectrum", '"ntc"', "put its factor into ag")
+            raise misplaced(self, "topography", "spectrum", '"ntc"', "multiply ag by its factor")
         needed = {"ntc": ("ag", "f0", "tc_star"), "table": ()}.get(self.spectrum, ("ag",))
         missing = [name for name in needed if name not in named]
         if named and missing:

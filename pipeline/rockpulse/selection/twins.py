@@ -230,7 +230,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
-    """Return, by ``id(channel)``, the partner of each channel if only their sampling intervals prevent a pair."""
+    """Return, by ``id(channel)``, the channel that would form a pair with it if their sampling intervals were equal."""
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:

@@ -225,8 +225,8 @@ def many(file, pipe):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (external, "/more: a link to another place"),
-        (soft, "/more: a link to another place"),
+        (external, "/more: expected a group or a variable, found a link"),
+        (soft, "/more: expected a group or a variable, found a link"),
         (twice, "/summary/again: this object appears in the file under another name too"),
         (dataset((3,), outside=True), "/more: its values are kept in another file"),
         (virtual, "/more: its values are kept in another file"),
