@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 from markupsafe import escape
-from nicegui import events, run, ui
+from nicegui import run, ui
 
-from rockpulse.app.fields import Fields, file_input, refused
+from rockpulse.app.fields import Fields
 from rockpulse.app.project import body_error
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
@@ -152,9 +153,8 @@ class BodyPart:
             self.page, say("app.bodies.others"), lambda: self._add_rows(self.project.several("block")[FIRST:])
         )
         self.others.visible = False
-        with ui.row():
-            self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
-            self.page.button(say("app.bodies.paste"), self._paste)
+        self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
+        self.table = Panel(self.page, say("app.bodies.paste"), self._show_table)
         self.fault = ui.label().classes("fault").props('role="alert"')
         ui.timer(0.05, self.page.handler(self._show_first), once=True)
 
@@ -192,36 +192,27 @@ class BodyPart:
         self._show_rows()
         self.page.changed()
 
-    def _paste(self) -> None:
-        with self.rows, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
-            ui.label(say("app.bodies.paste_intro"))
-            pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
-            pasted.props("outlined").classes("wide")
-            file_input(say("app.bodies.file"), "bodies", self.page.handler(partial(self._taken, dialog)))
-            with ui.row():
-                take = self.page.button(say("app.bodies.take"), lambda: self._text(pasted.value or "", dialog))
-                take.props(remove="outline")
-                ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
+    def _show_table(self) -> None:
+        ui.label(say("app.bodies.paste_intro"))
+        pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
+        pasted.props("outlined").classes("wide")
+        self.page.button(say("app.bodies.take"), lambda: self._take(pasted.value or ""))
+        file_input(self.page, say("app.bodies.file"), "bodies", self._show_added)
 
-    def _text(self, text: str, dialog: Any) -> None:
+    async def _take(self, text: str) -> None:
         if not text.lstrip().lower().startswith("name"):
             mark = next((mark for mark in ("\t", ";") if mark in text), ",")
             text = f"{HEADINGS.replace(',', mark)}\n{text}"
         with TemporaryDirectory() as folder:
             path = Path(folder, "pasted.csv")
             path.write_text(text, encoding="utf-8")
-            unused = self.project.add_table(path.name, path)
-        self._added(dialog)
+            unused = self.project.take("bodies", path.name, path)
         if unused:
-            ui.notify(error_words(unused))
+            ui.notify(unused)
+        await self._show_added()
 
-    def _taken(self, dialog: Any, event: events.GenericEventArguments) -> None:
-        if not event.args["sending"]:
-            self._added(dialog)
-            refused(event.args["faults"])
-
-    def _added(self, dialog: Any) -> None:
-        dialog.close()
+    async def _show_added(self) -> None:
+        self.table.value = False
         self._show_rows()
         self.others.value = True
         self.page.shown_error()
