@@ -51,7 +51,7 @@ class BodyRow:
             self.drawing = ui.html("", sanitize=False).classes("side")
             with ui.element("div").classes("main"):
                 with ui.element("div").classes("keys"):
-                    self.fields = [("block", Fields(BlockSettings, values, self._changed).add(*ROW))]
+                    self.fields = [Fields(BlockSettings, values, self._changed).add(*ROW)]
                     self.page.bin(say("app.bodies.remove"), partial(part.remove, values))
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
@@ -62,12 +62,12 @@ class BodyRow:
     def _show_more(self) -> None:
         self.fields = self.fields[:1]
         with ui.element("div").classes("keys"):
-            self._add_fields("block", BlockSettings, self.values, MORE)
+            self.fields.append(Fields(BlockSettings, self.values, self._changed).add(*MORE))
         for part, (cls, names) in PARTS.items():
             for values in self.values.get(part, []):
                 with ui.element("div").classes("keys part"):
                     ui.label(say(f"app.part.{part}")).classes("name")
-                    self._add_fields(part, cls, values, names)
+                    self.fields.append(Fields(cls, values, self._changed).add(*names))
                     remove = f"{say('app.bodies.remove_part')} {say(f'app.part.{part}')}"
                     self.page.bin(remove, partial(self._drop, part, values))
         with ui.row():
@@ -75,15 +75,14 @@ class BodyRow:
                 self.page.button(f"+ {say(f'app.part.{part}')}", partial(self._add, part)).props("dense")
         self.refresh()
 
-    def _add_fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
-        self.fields.append((part, Fields(cls, values, self._changed).add(*names)))
-
     def _add(self, part: str) -> None:
         self.values.setdefault(part, []).append({})
         self._show_again()
 
     def _drop(self, part: str, values: dict[str, Any]) -> None:
-        self.values[part] = [one for one in self.values[part] if one is not values]
+        self.values[part].remove(values)
+        if not self.values[part]:
+            del self.values[part]
         self._show_again()
 
     def _show_again(self) -> None:
@@ -106,11 +105,10 @@ class BodyRow:
         fault = body_error(self.values)
         error = str(fault or "")
         self.size = self.values.get("width"), self.values.get("height")
-        heading = error.partition("]")[0].strip("[").rpartition(".")[2]
         name = str(self.values.get("name", ""))
         self.frame.props(f'aria-label="{escape(name) or say("app.bodies.new")}"')
         empty = not set(self.values) & {"width", "height"}
-        shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
+        shown = [one.show(error if error.startswith(one.cls.heading) and not empty else "") for one in self.fields]
         said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}"').partition(": ")[2])
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
         self.confirm.visible = bool(fault and fault.remedies)
@@ -188,7 +186,7 @@ class BodyPart:
 
     def remove(self, values: dict[str, Any]) -> None:
         """Remove a body."""
-        self.project.document["block"] = [one for one in self.project.several("block") if one is not values]
+        self.project.several("block").remove(values)
         self._show_rows()
         self.page.changed()
 
