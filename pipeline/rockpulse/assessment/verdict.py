@@ -196,6 +196,7 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
     stays = kept.any(axis=0) & ~(lifted & kept).any(axis=0)
     sliding, first = _sliding(answers, demand, kept), slides_first(answers)
     margins, events = answers.margins(demand=demand, left_out=left_out), motions.event_counts(kept).tolist()
+    severity, idle, at_rest = np.where(left_out, 0.0, severity), near & ~kept, kept & ~lifted
     found = []
     for lane, (share, margin) in enumerate(zip(shares, margins, strict=True)):
         grade = Grade.AT_REST if stays[lane] else _grade(share, is_upper_bound(answers.model))
@@ -213,16 +214,16 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
                 earthquakes=events[lane],
                 motions=int(kept[:, lane].sum()),
                 left_out=int((~near[:, lane]).sum()),
-                weak=int((near & ~kept)[:, lane].sum()),
+                weak=int(idle[:, lane].sum()),
                 overturned=int(fallen[:, lane].sum()),
-                at_rest=int((kept & ~lifted)[:, lane].sum()),
+                at_rest=int(at_rest[:, lane].sum()),
                 median_rotation=float(np.median(known)) if known.size else math.nan,
                 largest_rotation=float(known.max(initial=-math.inf)) if known.size else math.nan,
                 others_rotation=float(np.fmax.reduce(known[np.isfinite(known)], initial=math.nan)),
                 margin=margin,
                 sliding=float(sliding[lane]),
                 slides_first=bool(first[lane]),
-                governing=_governing(ratio[:, lane], np.where(left_out, 0.0, severity)[:, lane]),
+                governing=_governing(ratio[:, lane], severity[:, lane]),
             )
         )
     return found

@@ -24,8 +24,11 @@ BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
 #: Fields whose strings many records of a batch have in common.
-_SHARED = "network channel component orientation format source_unit event event_id magnitude_type stage"
+_SHARED = """network station location channel station_name component orientation format source_unit event event_id
+magnitude_type site_class stage"""
 SHARED = frozenset(_SHARED.split())
+#: Fields whose numbers many records have in common.
+SHARED_NUMBERS = frozenset(("dt", "azimuth", "unit_factor", "magnitude"))
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 Stage = Literal["read", "checked", "conditioned"]
@@ -85,8 +88,8 @@ class Record(Shown):
         Depth of the sensor below the ground [m]; NaN if not stated.
     stage : {"read", "checked", "conditioned"}
         State of the record: its samples are checked for defects once, and it is conditioned for assessment once.
-    outline : tuple of float
-        Result of :func:`outline_of` for a record without its samples; empty for other records.
+    outline : bytes
+        Result of :func:`outline_of` for a record without its samples, as float64; empty for other records.
     together : str
         Names of the two files that the user states to be one recording ([[records.pair]]); empty for other records.
 
@@ -132,7 +135,7 @@ class Record(Shown):
     site_class: str = ""
     sensor_depth: float = float("nan")
     stage: Stage = "read"
-    outline: tuple[float, ...] = ()
+    outline: bytes = b""
     together: str = ""
 
     def __post_init__(self) -> None:
@@ -168,7 +171,7 @@ class Record(Shown):
 
     def without_samples(self) -> "Record":
         """Return the same record with zeros, which need no memory, in place of its samples."""
-        return replace(self, acceleration=_broadcast(0.0, self.npts), outline=outline_of(self))
+        return replace(self, acceleration=_broadcast(0.0, self.npts), outline=np.array(outline_of(self)).tobytes())
 
     def with_warning(self, warning: str) -> "Record":
         """Return the same record with one more warning."""
@@ -238,7 +241,8 @@ def largest(values: np.ndarray) -> float:
 def outline_of(record: Record) -> tuple[float, ...]:
     """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75, 95 % of the energy."""
     if _spread(record.acceleration):
-        return record.outline if record.outline[:1] == (record.npts,) else ()
+        outline = tuple(np.frombuffer(record.outline).tolist())
+        return outline if outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):
         return ()
     about = record.acceleration - np.mean(record.acceleration)
@@ -246,6 +250,12 @@ def outline_of(record: Record) -> tuple[float, ...]:
     energy = np.cumsum(about**2)
     times = np.searchsorted(energy, energy[-1] * np.array((0.05, 0.25, 0.5, 0.75, 0.95))) * record.dt
     return (record.npts, peak, *times.tolist())
+
+
+@lru_cache(maxsize=1024, typed=True)
+def _shared(value: float, sign: float) -> float:
+    """Return the number; equal numbers with the same sign (0.0 and -0.0 are equal) give one object in memory."""
+    return value
 
 
 @lru_cache(maxsize=256)
@@ -265,6 +275,8 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
             value = sys.intern(value)
         elif isinstance(value, float) and math.isnan(value):
             value = math.nan
+        elif isinstance(value, float) and item.name in SHARED_NUMBERS:
+            value = _shared(value, math.copysign(1.0, value))
         object.__setattr__(record, item.name, value)
     return record
 

@@ -249,14 +249,13 @@ def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
     found: dict[int, Record] = {}
     for (_, dt), group in groups.items():
         group.sort(key=lambda one: (one[0][2], one[1].id))
-        for place, (times, record) in enumerate(group):
-            for others, other in (group[step] for step in range(place + 1, len(group))):
-                if others[2] - times[2] > 2.0 * dt:
-                    break
-                near = all(abs(one - two) <= 2.0 * dt for one, two in zip(times, others, strict=True))
-                if near and other.source != record.source:
-                    found.setdefault(id(record), other)
-                    found.setdefault(id(other), record)
+        times = np.array([each for each, _ in group]).T.copy()
+        near = np.searchsorted(times[2], times[2] + np.array([[-2.1], [2.1]]) * dt).T.tolist()
+        for place, ((first, last), (_, record)) in enumerate(zip(near, group, strict=True)):
+            alike = np.all(np.abs(times[:, first:last] - times[:, place, None]) <= 2.0 * dt, axis=0)
+            others = (group[first + step][1] for step in np.flatnonzero(alike).tolist())
+            if other := next((one for one in others if one.source != record.source), None):
+                found[id(record)] = other
     return found
 
 

@@ -396,6 +396,6 @@ def test_sliding_is_one_column_without_infinities(friction, share, words):
 
 def row(found, every, selected):
     """The cells of the only body of a table of verdicts."""
-    values = verdict_rows(found, [(one, one.deciding) for one in every], [Cell("")] * 5)
+    values = verdict_rows(found, [(one, one.deciding) for one in every], lambda record: Cell(""))
     (cells,) = filled(selected, values)
     return cells

@@ -123,10 +123,9 @@ def counted_motions(motions: Motions) -> str:
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body with crushing at its edge, and for every body on a pedestal."""
-    notes = []
-    for name in answers.blocks:
-        if words := Known(answers.summary, block=name).crushing:
-            notes.append(say("crushed.note", name=name, **words))
+    notes, crushed = [], answers.summary["hinge_depth"].values > 0.0
+    for name in np.array(answers.blocks)[crushed].tolist():
+        notes.append(say("crushed.note", name=name, **Known(answers.summary, block=name).crushing))
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
         outcome = ", ".join(filter(None, (worst.deciding.word, value)))
