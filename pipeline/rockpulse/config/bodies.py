@@ -204,7 +204,6 @@ def _rectangles(bodies: Sequence[BlockSettings]) -> Block | None:
 
 
 def _unlimited(ties: Sequence[Tie]) -> list[str]:
-    """Return a warning for each tie without an ultimate elongation."""
     return [
         WarningText("tie_unlimited", number=number, height=tie.height)
         for number, tie in enumerate(ties, 1)
@@ -226,7 +225,6 @@ def _values_of_key(given: Mapping[str, BlockSettings], names: Iterable[str], key
 
 
 def _heavy(body: BlockSettings, block: Block) -> list[str]:
-    """Return a warning for a body that is heavy compared with its floor."""
     masses = [floor.mass for floor in body.floors if floor.mass is not None]
     mass = float(np.max(block.mass))
     if not masses or not mass > LIGHT * min(masses):
