@@ -177,10 +177,6 @@ class Answers:
         """The demands of the site, by name."""
         return stored_demands(self.summary)
 
-    def to_demand(self, demand: str) -> np.ndarray:
-        """Return the scale factors (records, bodies) that scale each record to a demand."""
-        return self.of_demand("demand_factor", demand)
-
     @cached_property
     def source(self) -> np.ndarray:
         """How each probability (records, bodies) was computed, in words."""
@@ -231,14 +227,14 @@ class Answers:
         """Return the scale factor (records, bodies) up to which no overturning was found, or its ratio to a demand."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
-        return reached if demand is None else reached / self.to_demand(demand)
+        return reached if demand is None else reached / self.of_demand("demand_factor", demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
         """Return the scale factors (records, bodies), or their ratio to the scale factors for a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
-            return np.asarray(self[self.factor] / self.to_demand(demand))
+            return np.asarray(self[self.factor] / self.of_demand("demand_factor", demand))
         return self.of_demand("capacity_ratio", demand)
 
     def of_demand(self, name: str, demand: str) -> np.ndarray:

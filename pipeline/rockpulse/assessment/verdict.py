@@ -244,7 +244,7 @@ def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
     if demand is None:
         moved = answers["outcome"] != Outcome.AT_REST
         return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
-    return ~(answers[UPLIFT_RATIO] * answers.to_demand(demand) < _weakest(answers))
+    return ~(answers[UPLIFT_RATIO] * answers.of_demand("demand_factor", demand) < _weakest(answers))
 
 
 def _weakest(answers: Answers) -> float:
@@ -256,7 +256,7 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
     """Return a mask (records,) of records too weak to lift any body, with P = 0; none is marked if all are too weak."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
-    far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
+    far, factor = too_far(answers, demand), 1.0 if demand is None else answers.of_demand("demand_factor", demand)
     idle = (answers[UPLIFT_RATIO] * factor < _weakest(answers)) & (overturning_probabilities(answers, demand) == 0.0)
     found = np.asarray((idle | far).all(axis=1) & ~far.all(axis=1))
     return found & bool((~found & ~far.all(axis=1)).any())
@@ -269,7 +269,7 @@ def too_far(answers: Answers, demand: str | None) -> np.ndarray:
     """
     if demand is None:
         return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
-    factor = answers.to_demand(demand)
+    factor = answers.of_demand("demand_factor", demand)
     return ~np.asarray((factor >= FARTHEST[0]) & (factor <= FARTHEST[1]))
 
 

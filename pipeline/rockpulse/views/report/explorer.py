@@ -227,7 +227,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
     for name in answers.demands:
-        named.append((float(answers.to_demand(name)[row, lane]), words["demand"].format(name=name)))
+        named.append((float(answers.of_demand("demand_factor", name)[row, lane]), words["demand"].format(name=name)))
     found: dict[float, str] = {}
     for value, label in named:
         factor = float(f"{value:.3g}")
