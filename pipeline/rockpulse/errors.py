@@ -155,7 +155,7 @@ NO_RECORD = "no record"
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
 #: Pattern of a line number after the file name in a reason.
 _LINE = re.compile(r":\d+(?=: )")
-#: Pattern of the id of a record before a reason; an id contains a full stop and no blank.
+#: Pattern of the id of a record at the start of a reason; an id contains a full stop and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Number of files named as examples for a reason that several files share.
 _EXAMPLES = 10

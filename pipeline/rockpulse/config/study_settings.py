@@ -74,7 +74,7 @@ def _is_distribution(value: Any) -> bool:
 
 
 def _distribution(value: Any) -> tuple[float, ...]:
-    """Return the two limits of a uniform distribution, or equally likely values."""
+    """Return a distribution as the two limits of a uniform one, or as three or more equally likely values."""
     if not isinstance(value, Mapping):
         return _floats(sorted(value))
     normal, end = NormalDist(value["mean"], value["deviation"]), LARGEST_VALUE * value["deviation"]

@@ -53,7 +53,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
 
 @dataclass(frozen=True)
 class SelectedRecords:
-    """The records that the user has selected for a fragility analysis, with scale factors or values of the measure."""
+    """The records that the user has selected for a fragility analysis, with scale factors or intensities."""
 
     by_factor: bool  # whether amounts are scale factors; otherwise they are values of the intensity measure
     rows: dict[str, tuple[tuple[float, float], ...]]  # amount and weight of each row, by record id

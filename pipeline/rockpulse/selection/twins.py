@@ -260,7 +260,7 @@ def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
+    """Return, by ``id(record)``, another record that may contain the same motion at a wrong clock time, if any."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):
