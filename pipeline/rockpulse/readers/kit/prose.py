@@ -277,7 +277,7 @@ def stated_station(header: Sequence[str]) -> str:
 def stated_columns(header: Sequence[str], width: int) -> list[str]:
     """Return the words for each column from a line such as "components: E N Z"; empty if there is none.
 
-    If the line has one word less than there are columns, the first column contains the times.
+    If the line has one word fewer than there are columns, the first column contains the times.
     """
     numbered: dict[int, str] = {}
     for line in header:
