@@ -22,7 +22,7 @@ from rockpulse import BlockSettings, Config, ModelSettings, RecordSettings, Unce
 from synthetic import synthetic_motion
 
 DT = 0.02  # s
-#: Different accelerograms among the records, each brought to a peak of its own.
+#: Synthetic motions; every record is the sum of two of them, so that none is a scaled copy of another.
 SHAPES = 500
 STATIONS = 20  # of an event
 
@@ -37,7 +37,10 @@ def write_records(first: int, folder: Path, last: int, seconds: float) -> None:
         event, station = number // STATIONS, number % STATIONS
         day = f"1/{event % 28 + 1}/{1950 + event % 70}"
         title = f"Synthetic-{event:04d}, {day}, Station {station:02d}, {90 * (number % 4)}"
-        (home / f"S{number:06d}.AT2").write_bytes(at2(peak * shapes[number % len(shapes)], title=title))
+        other = shapes[(number + number // len(shapes) + 1) % len(shapes)]
+        motion = shapes[number % len(shapes)] + 0.7 * other
+        motion *= peak / np.max(np.abs(motion))
+        (home / f"S{number:06d}.AT2").write_bytes(at2(motion, dt=DT, title=title))
 
 
 def configuration() -> Config:

@@ -7,6 +7,7 @@ from record_writers import at2, pulse
 from rockpulse import BlockSettings, CalibrationSettings, Config, ModelSettings, SearchSettings
 from rockpulse.cli import main
 from rockpulse.run import batch
+from rockpulse.run.survey import gather_survey
 
 RECORDS = 4
 CONFIGURATION = """
@@ -28,6 +29,12 @@ CONFIG = Config(
     bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )
 SITE = Config(calibration=CalibrationSettings(bootstrap=100), bodies=CONFIG.bodies)
+
+
+def gathered(surveys, failures):
+    """The records of some surveyed files, and their failures, combined."""
+    rows = [*failures, *(row for survey in surveys for row in survey.failures)]
+    return gather_survey([one for survey in surveys for one in survey.located], rows)
 
 
 def four_records(folder):

@@ -69,6 +69,15 @@ def probable(probability, factor_10=None, uplift=1.0, low=10.0, at_demand=None, 
     return summary.assign(variables)
 
 
+def turned(rotations, **options):
+    """A summary at a demand whose records turn the nominal body so far, over alpha_c; inf: they overturn it."""
+    rotations = np.array(rotations, dtype=float)
+    outcome = np.select([np.isinf(rotations), np.isnan(rotations)], [Outcome.OVERTURNS, Outcome.UNRESOLVED], 1)
+    own = {"demand_rotation_ratio": rotations, "demand_outcome": outcome}
+    summary = probable([0.0] * rotations.size, at_demand=[0.0] * rotations.size, demand=1.0, **options)
+    return summary.assign({name: ((*OF[:2], "demand"), values[:, None, None]) for name, values in own.items()})
+
+
 def motions(count, events=None, rows=None, missing=None, kind="record", any_azimuth=False):
     rows = [[k] for k in range(count)] if rows is None else rows
     lost = [False] * len(rows) if missing is None else missing

@@ -5,14 +5,14 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: A number for one block under one scale factor, an array for several.
+#: A number for one block under one scale factor, or an array for several blocks or factors.
 Floats: TypeAlias = float | NDArray[np.float64]
 Integers: TypeAlias = int | NDArray[np.integer[Any]]
 Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """Return finite numbers as an array; raise ValueError for other values, and for an array unless `lanes` is True."""
+    """Return finite numbers as an array; raise ValueError for other values, and for arrays if `lanes` is False."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -26,14 +26,14 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Return the value as :func:`numbers` does, [`unit`]; raise ValueError unless all numbers are positive."""
+    """Return positive, finite numbers in `unit` as an array; raise ValueError for other values, as :func:`numbers`."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
     return array
 
 
-#: The number of main impulses that means "no limit".
+#: Value of the number of main impulses for "no limit".
 UNLIMITED = 2**62
 
 
@@ -49,7 +49,7 @@ def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
 
 
 def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the values as arrays of one length, with single values repeated; raise ValueError if lengths differ."""
+    """Return the values as arrays of equal length, single values repeated; raise ValueError for different lengths."""
     try:
         return tuple(np.broadcast_arrays(*values.values()))
     except ValueError:
@@ -65,7 +65,7 @@ def record_samples(name: str, values: ArrayLike) -> np.ndarray:
         raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
     if array.ndim != 1 or array.size < 2:
         raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
-    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # without a copy; NaN is kept
+    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN propagates
         first = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"{name}: sample {first} is {array[first]}; replace NaN and infinite samples first")
     return read_only(array)

@@ -60,7 +60,7 @@ def folder() -> Path:
     Raises
     ------
     OSError
-        If the sources are not in files, or the user has no home folder.
+        If there are no source files (the package is in an archive), or the user has no home folder.
     """
     if not SOURCES:
         raise FileNotFoundError(
@@ -79,7 +79,7 @@ def folder() -> Path:
 
 
 def sources() -> str:
-    """Return the SHA-256 of the current sources of all kernels; empty if they are not in files."""
+    """Return the SHA-256 of all source files of the package; an empty string if there are none."""
     top = Path(__file__).parent
     paths = sorted(top.rglob("*.py"))
     texts = (path.relative_to(top).as_posix().encode() + b"\0" + path.read_bytes() for path in paths)
@@ -91,11 +91,11 @@ SOURCES = sources()
 
 
 class KernelCache(NullCache):
-    """The compiled code of one kernel, stored in files; after a file error the kernel is compiled again."""
+    """Cache of the compiled code of one kernel in files; after a file error the kernel is compiled again."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
-        self.fault = ""  # the fault of the file that was read last
+        self.fault = ""  # what is wrong with the file that was read last
 
     def load_overload(self, sig: object, target_context: Any) -> CompileResult | None:
         """Return the compiled code for a signature, or None if there is no valid file."""
@@ -182,7 +182,6 @@ def _warn_not_stored(error: OSError) -> None:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file atomically."""
     part = path.with_name(f"{uuid.uuid4().hex}.part")
     try:
         part.write_bytes(content)
@@ -197,7 +196,7 @@ logged: set[str] = set()
 
 
 def _first_time(record: logging.LogRecord) -> bool:
-    """Return True if this process logs the message for the first time; dozens of kernels may log the same one."""
+    """Return True if this process logs the message for the first time; many kernels may log the same message."""
     text = record.getMessage()
     new = text not in logged
     logged.add(text)

@@ -1,4 +1,4 @@
-"""A lane is one combination of a body and a scale factor; kernels compute many lanes together, in several threads."""
+"""Arrays with one value per lane (a body, or a body under one scale factor), and threads that compute many lanes."""
 
 import os
 import threading
@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-#: Slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
+#: Number of slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
 SLICES_PER_THREAD = 8
 #: The limits in force: a list, because `with` blocks of several threads may overlap and end in any order.
 _limits: list[int] = []
@@ -23,12 +23,12 @@ OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """Declare a field with one value per lane along an axis; lanes without a result get the value `fill`."""
+    """Declare a dataclass field with one value per lane (a body under a factor), `fill` for lanes without a result."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 
 class LaneValues:
-    """Base class of dataclasses with one value per lane in each field made by :func:`lane_field`."""
+    """Base class of dataclasses whose fields made by :func:`lane_field` contain one value per lane."""
 
     @classmethod
     def lane_fields(cls) -> dict[str, tuple[Any, int]]:
@@ -43,7 +43,7 @@ class LaneValues:
         return other
 
     def take(self, places: Any) -> Self:
-        """Select lanes by indices, a mask or a slice."""
+        """Return a copy with the lanes selected by indices, a mask or a slice."""
         found: dict[str, Any] = {}
         for name, (_, axis) in self.lane_fields().items():
             value = getattr(self, name)
@@ -57,7 +57,7 @@ class LaneValues:
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """Join parts into `count` lanes, each part at its indices `places`; other lanes get the fill value."""
+        """Return `count` lanes with the values of each part at its indices `places`; other lanes get the fill value."""
         found: dict[str, Any] = {}
         for name, (fill, axis) in cls.lane_fields().items():
             values = [getattr(part, name) for part in parts]
@@ -76,7 +76,7 @@ class LaneValues:
         return parts[0].changed(**found)
 
     def squeezed(self, drop: tuple[bool, bool]) -> Self:
-        """Return a copy of (q, m) lanes without the axes marked in `drop`, for which the caller gave a scalar."""
+        """Return a copy of a (q, m) result without the axes whose `drop` is True, because the caller gave a scalar."""
         found: dict[str, Any] = {}
         for name, (_, axis) in self.lane_fields().items():
             value = getattr(self, name)
@@ -88,7 +88,7 @@ class LaneValues:
 
 
 def squeezed(values: np.ndarray, drop: tuple[bool, bool], axis: int = -1) -> Any:
-    """Return an array of (q, m) lanes, m along `axis`, without the axes marked in `drop`; a number if none is left."""
+    """Return a (q, m) result, m along `axis`, without the axes whose `drop` is True; a number if no axis is left."""
     values = values.squeeze(axis=tuple(axis - 1 + place for place, dropped in enumerate(drop) if dropped))
     return values.item() if values.ndim == 0 else values
 
@@ -102,7 +102,7 @@ def available_cores() -> int:
 
 @contextmanager
 def thread_limit(threads: int) -> Iterator[None]:
-    """Limit ``threads=None`` to this number in the whole process; the smallest of several limits applies."""
+    """Limit the threads of calls with ``threads=None`` in the whole process; the smallest of several limits applies."""
     threads = _checked(threads, "a whole number of at least 1")
     with _changing:
         _limits.append(threads)
@@ -114,7 +114,7 @@ def thread_limit(threads: int) -> Iterator[None]:
 
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
-    """Run ``kernel_call(first, last)`` on slices of at least `smallest` lanes, shared by the threads."""
+    """Run ``kernel_call(first, last)`` in threads on slices of the lanes, each of at least `smallest` lanes."""
     if threads is None:
         threads = min([available_cores(), *_limits])
     threads = _checked(threads, "a whole number of at least 1, or None for all cores")

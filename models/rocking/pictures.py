@@ -98,7 +98,7 @@ class Shown(ABC):
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """Return the main values of the object by their short names; a name may be empty."""
+        """Return the main values of the object as text, by their short names; a name may be an empty string."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
@@ -128,7 +128,7 @@ def shortened_line(text: str) -> str:
 
 
 def short_repr(thing: Any) -> str:
-    """Return a one-line repr of a dataclass or named tuple: fields that differ from defaults, arrays by shape."""
+    """Return a one-line repr of a dataclass (without fields equal to defaults) or a named tuple, arrays by shape."""
     if isinstance(thing, tuple):
         known = thing._asdict()  # type: ignore[attr-defined]
     else:
@@ -146,7 +146,7 @@ def _same(value: Any, usual: Any) -> bool:
 
 
 def _short_value(value: Any) -> str:
-    """Return a short form of a value: the shape of an array, the length of a long list."""
+    """Return a short text for a value: the shape of an array, the length of a long list, else a shortened repr."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
     if isinstance(value, list | tuple) and (len(value) > FEW or any(map(is_dataclass, value))):
@@ -155,7 +155,7 @@ def _short_value(value: Any) -> str:
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
-    """Format a number in a few digits with its unit, several numbers as a range, and NaN alone as "unknown"."""
+    """Format a number with its unit, or several numbers as a range; return "unknown" if all are NaN."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[~np.isnan(known)]
     if known.size == 0:
@@ -165,7 +165,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Reduce a line (n,) to its lowest and highest point in each of `columns` columns, in their order."""
+    """Reduce a line of n points to the lowest and the highest point in each of `columns` columns of the picture."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

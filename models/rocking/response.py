@@ -11,14 +11,14 @@ from rocking.arguments import Booleans, Floats, Integers
 from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, short_repr, thinned
 
-#: Impacts slower than this speed, divided by p alpha_c [-], are not counted (a hop of about 5e-7 alpha_c).
+#: Impacts slower than this, divided by p alpha_c [-], are not counted: they lift the block by at most 5e-7 alpha_c.
 IMPACT_CUTOFF = 1e-3
 #: Largest number of peaks that are drawn, and largest theta/alpha_c in the picture [-].
 DRAWN, TOP = 200, 1.2
 
 
 class Outcome(IntEnum):
-    """How a motion ends.
+    """Outcome of a computed motion.
 
     >>> Outcome(rocking.resonance(pier, impulse=0.5, half_cycles=3).outcome).word
     'overturns'
@@ -36,7 +36,7 @@ class Outcome(IntEnum):
 
 
 class Reason(IntEnum):
-    """Why an outcome is UNRESOLVED.
+    """Reason for which an outcome is UNRESOLVED.
 
     >>> Reason(rocking.resonance(pier, impulse=0.5, half_cycles=3).reason)
     <Reason.NONE: 0>
@@ -47,7 +47,7 @@ class Reason(IntEnum):
     FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
     HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model computes
     NO_SEQUENCE = 4  #: no impulse sequence was found in the record
-    SHORT_INTERVAL = 5  #: secondary impulses too close together for the march; use the limit, spacing="continuous"
+    SHORT_INTERVAL = 5  #: secondary impulses too close together for the model; use the limit, spacing="continuous"
     NOT_MODELLED = 6  #: the model cannot treat a feature of the body: different corners, a wall, ties, loads or thrusts
 
 
@@ -58,7 +58,7 @@ COLOURS = (GREY, BLUE, RED, INK)
 
 @dataclass(frozen=True, eq=False)
 class HalfCycles(LaneValues):
-    """The half-cycles of a response along the first axis; NaN (or -1) after the last one.
+    """Table of the half-cycles of a response, numbered along the first axis; NaN (or -1) after the last one.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class HalfCycles(LaneValues):
     duration, interval : (h, ...) ndarray
         Time to the next impact (inf without one), and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
-        Number n_i of intermediate impulses (0 for none, -1 if n -> infinity or there is no half-cycle).
+        Number n_i of intermediate impulses (0 without any, -1 if n -> infinity or the row is empty).
 
     Examples
     --------
@@ -95,15 +95,15 @@ class Response(LaneValues, Shown):
     peak_rotation_ratio : float or ndarray
         Largest abs(theta)/alpha_c [-], also between samples; inf if overturned, 0 at rest, NaN only if UNRESOLVED.
     outcome, reason : int or ndarray
-        :class:`Outcome`, and :class:`Reason`, NONE unless UNRESOLVED.
+        :class:`Outcome`, and its :class:`Reason` if it is UNRESOLVED, else NONE.
     overturning_time : float or ndarray
         Time at which overturning is certain [s]; NaN without overturning.
     overturning_half_cycle : int or ndarray
         Number of impacts before overturning, plus 1; -1 without overturning. The sequence and impulsive models count
         every half-cycle, the response to a record only those that end with a counted impact.
     impacts : int or ndarray
-        Number of impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, also after the end of the input; -1 if endless
-        (C = 1) or the outcome is UNRESOLVED.
+        Number of impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, also after the end of the input; -1 if they never
+        end (C = 1) or the outcome is UNRESOLVED.
     time, rotation, velocity : ndarray or None
         History [s], [rad], [rad/s], if requested.
     half_cycles : HalfCycles or None
@@ -116,7 +116,7 @@ class Response(LaneValues, Shown):
         Response to a record only: number of samples in which the block moved.
     corner_rotation : (2, ...) ndarray or None
         Bodies with ties, loads or thrusts only: largest rotation about the right-hand and the left-hand corner [rad],
-        inf if the body overturns about it; NaN for other bodies and UNRESOLVED.
+        inf if the body overturns about it; NaN for other bodies and if UNRESOLVED.
 
     Examples
     --------
@@ -140,12 +140,12 @@ class Response(LaneValues, Shown):
 
     @classmethod
     def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:
-        """Return a response of the shape `lanes` that is UNRESOLVED throughout, for one reason."""
+        """Return a response of the shape `lanes` in which every outcome is UNRESOLVED for the same reason."""
         codes = np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8), np.full(lanes, int(reason), dtype=np.int8)
         return cls(np.full(lanes, np.nan), *codes, np.full(lanes, np.nan), np.full(lanes, -1), np.full(lanes, -1))
 
     def among(self, known: np.ndarray, reason: Reason) -> Self:
-        """Extend a response of the blocks marked in `known` (m,) to all (m,) blocks; the others are UNRESOLVED."""
+        """Return the response of all (m,) blocks from that of the `known` blocks; the others are UNRESOLVED."""
         return self.join([self], [np.flatnonzero(known)], known.size, reason=int(reason))
 
     @property
@@ -202,7 +202,7 @@ class Response(LaneValues, Shown):
         return picture
 
     def _peaks(self) -> Picture:
-        """Draw the peak of each motion as a bar in the colour of its outcome; bars above alpha_c mean overturning."""
+        """Draw the peak of each motion as a bar in the colour of its outcome, of full height if it overturns."""
         peaks, codes = np.ravel(self.peak_rotation_ratio)[:DRAWN], np.ravel(self.outcome)[:DRAWN]
         # A motion without a value gets a short bar, so that it is visible.
         heights = np.nan_to_num(np.minimum(peaks, TOP), nan=0.05)
@@ -218,7 +218,7 @@ class Response(LaneValues, Shown):
 
 
 class LaneResults(NamedTuple):
-    """The (lanes,) arrays to which every kernel writes, named and defined as in :class:`Response`."""
+    """Arrays (lanes,) for the results of a kernel, one value per body and scale factor; see :class:`Response`."""
 
     peak_rotation_ratio: np.ndarray
     outcome: np.ndarray
@@ -229,7 +229,7 @@ class LaneResults(NamedTuple):
 
 
 def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
-    """Return arrays for a kernel to fill; `codes` is the type of outcome and reason."""
+    """Return arrays without values, which a kernel will fill; `codes` is the dtype of outcome and reason."""
     types = (np.float64, codes, codes, np.float64, np.int64, np.int64)
     return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
@@ -242,7 +242,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """Return the (q, m) response from a kernel's results; `motion` (q m, n, 2) is theta and theta' over time."""
+    """Return the (q, m) response from the results of a kernel; `motion` (q m, n, 2) is theta and theta' over time."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

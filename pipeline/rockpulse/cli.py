@@ -1,4 +1,4 @@
-"""The command line, with one module per verb under :mod:`rockpulse.commands`."""
+"""The command line; each command has its own module in :mod:`rockpulse.commands`."""
 
 import argparse
 import gc
@@ -25,7 +25,7 @@ from rockpulse.commands.terminal import (
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
-#: Number of new objects after which Python looks for unused cycles: with its default, the imports take 0.2 s longer.
+#: Number of new objects after which Python searches for unused ones; Python's default slows the imports by 0.2 s.
 NEW_OBJECTS = 100_000
 FAILED = 1
 USAGE = 2
@@ -46,7 +46,7 @@ difference; 2 wrong usage, configuration or results file; 130 interrupted."""
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """Return the parser with all verbs, without importing numba or xarray."""
+    """Return the parser with all commands, without importing numba or xarray."""
     parser: argparse.ArgumentParser = Parser(
         prog="rockpulse",
         description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",

@@ -27,13 +27,8 @@ def test_the_version_is_that_of_the_package(capsys):
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
         ["asses"],
         ["assess"],
-        ["assess", "x", "-o", "y", "--dt", "fast"],
-        ["inspect"],
-        ["inspect", "a", "b"],
-        ["formats", "--all"],
         ["verify", "results.h5", "--no-input"],  # no abbreviations
     ],
 )
@@ -60,7 +55,6 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
         (["asess", "x"], """'completion'); did you mean "assess"?"""),
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
-        (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
         (["assess", "x", "-o", "y", "--block=a=1x3", "z"], "unrecognized arguments: z; give all paths together"),
         (["plot", "x", "--lst"], 'did you mean "--list"?'),
     ],
@@ -171,15 +165,6 @@ def test_standard_output_that_is_full_is_a_message():
         )
     assert done.returncode == 2
     assert done.stderr == "rockpulse: No space left on device\n"
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
-def test_a_log_that_is_full_is_told_before_the_work_begins(samples, tmp_path, capsys):
-    arguments = ["assess", str(samples), "--block", "a=1x3", "-o", str(tmp_path / "new.h5")]
-    assert main([*arguments, "--log-file", "/dev/full"]) == 2
-    told = "--log-file /dev/full: cannot be written (No space left on device); choose another file"
-    assert capsys.readouterr().err == f"rockpulse: {told}\n"
-    assert not (tmp_path / "new.h5").exists()
 
 
 @pytest.mark.sweep

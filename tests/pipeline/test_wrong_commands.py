@@ -53,7 +53,7 @@ def place(tmp_path_factory):
 
 @pytest.fixture
 def said(place, monkeypatch, capsys):
-    """What is said of a command, in one line, without the folder; nothing is written of one that cannot be.
+    """What is said of a command, in one line, without the folder; nothing is shown or written of one that cannot be.
 
     The parser is built and the results are read once for all commands.
     """
@@ -70,8 +70,8 @@ def said(place, monkeypatch, capsys):
             code = main(arguments)
         except SystemExit as end:
             code = end.code
-        error = capsys.readouterr().err
-        assert code in (1, 2)
+        shown, error = capsys.readouterr()
+        assert (shown, code in (1, 2)) == ("", True)
         assert "Traceback" not in error
         assert not list(place.glob("new*"))
         line = " ".join(error.split()).replace(f"{place}/", "")

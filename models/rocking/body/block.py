@@ -60,7 +60,7 @@ class Block(BlockLanes):
     critical_impulse : float or (m,) ndarray
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
     side : int or (m,) ndarray
-        1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for one that turns both ways.
+        1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for a body that turns both ways.
     hinge : float or (m,) ndarray
         Distance of the corners of rotation from the faces [m]; 0 without a compressive strength.
     mass : float or (m,) ndarray
@@ -68,12 +68,12 @@ class Block(BlockLanes):
     restraints : Restraints, (m,) ndarray of them, or None
         Ties, loads and thrusts.
     warnings : tuple of str
-        For a restitution above what angular momentum allows, a slenderness below the paper's range, an unusual size.
+        Warnings of a restitution above its bound, a slenderness below the paper's range, or an unusual size.
 
     Raises
     ------
     ValueError
-        For sizes or gravity that are not positive and finite, a single size, a half size together with a full one, a
+        For sizes or gravity that are not positive and finite, only one size, a half size together with a full one, a
         restitution outside [0, 1], or "housner" with a slenderness below 0.707, for which it is negative; for a centre
         of mass outside the base, a rebound without `one_sided` or a restitution with it, and for restraints without a
         mass, above the body or so strong that they overturn the resting body; for a compressive strength that leaves no
@@ -278,7 +278,7 @@ class Block(BlockLanes):
         log: bool,
         hinge: ArrayLike = 0.0,
     ) -> None:
-        """Set all fields; `shape` is "rectangle", "general", "own" (given by p, alpha and radius) or "unknown"."""
+        """Set all fields; `shape` is "rectangle", "general", "own" (given by p and radius) or "unknown" (by p only)."""
         ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
         restraints, mass = restraints_and_mass
         alone = {"size": first.alpha, "restitution": ratios[0]}

@@ -13,7 +13,7 @@ from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import Picture, Shown, brief
 
 STANDARD_GRAVITY = 9.80665
-#: Smallest slenderness for which the paper states the linear, resonance and sequence models (section 3).
+#: Smallest slenderness for which the linear, resonance and sequence models are valid (Casapulla & Maione 2017, sec. 3).
 SLENDERNESS_RANGE = 3.0
 #: Largest number of bodies of an array that are drawn side by side.
 DRAWN = 8
@@ -99,7 +99,7 @@ class BlockLanes(LaneValues, Shown):
         return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
-        """Return theta/alpha [-] for rotations theta [rad] of one body, with alpha of the corner of rotation."""
+        """Return rotations theta [rad] of one body divided by alpha of the corner about which it turns [-]."""
         other = (rotation < 0.0) & (self.side == 0)
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
@@ -117,7 +117,7 @@ class BlockLanes(LaneValues, Shown):
         return other.changed(restraints=mirrored if self.shape else mirrored[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """Return a copy with all angles multiplied by exp(-loss) and another `restitution` of the right-hand corner."""
+        """Return a copy with angles times exp(-loss) and right-hand C `restitution`, the other C in proportion."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution
@@ -133,7 +133,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """Return a copy whose right-hand corner is the weaker corner of the body, that with the smaller angle."""
+        """Copy in which the right-hand corner is the one with the smaller angle, or the only corner beside a wall."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self
@@ -171,7 +171,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def slender(self) -> Booleans:
-        """True for bodies whose slenderness is in the range of the models with linear natural motion."""
+        """True for bodies whose slenderness is in the range of the models that use the linear equation."""
         # A slenderness of exactly 3 is rounded to just below 3 when it is computed from the angle.
         return self.slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)
 

@@ -1,4 +1,4 @@
-"""The corners of a rigid body, the restitution that angular momentum allows, and warnings of unusual sizes.
+"""The corners of a rigid body, the bounds of its restitution, and warnings of unusual sizes.
 
 .. note:: The centre of mass lies b_1 and b_2 from the right-hand and left-hand corner and h above them. About corner i
    R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho the radius of gyration. An impact on
@@ -25,13 +25,13 @@ class Corner(NamedTuple):
     """One corner of (m,) bodies."""
 
     radius: np.ndarray  #: distance R of the corner from the centre of mass [m]
-    alpha: np.ndarray  #: angle between this line and the vertical [rad]
+    alpha: np.ndarray  #: angle between the line from the corner to the centre of mass and the vertical [rad]
     p: np.ndarray  #: frequency parameter of a rotation about the corner [1/s]
     most: np.ndarray  #: upper bound of C of the impact that ends a rotation about the corner [-]
 
 
 def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
-    """Return the corner at the horizontal distance `near` from the centre of mass; the other corner is at `far` [m]."""
+    """Return a corner at the horizontal distance `near` from the centre of mass; `far` belongs to the other one [m]."""
     square = near**2 + height**2
     most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
     p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
@@ -49,15 +49,15 @@ def sorrentino(alpha: Any) -> Any:
 
 def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
     """Return the rebound e [-] from a wall, given as a number in [0, 1] or as "sorrentino" (rectangles only)."""
-    expected = "the share e in [0, 1] of the speed that a return to the wall leaves, or 'sorrentino'"
+    expected = "the ratio e in [0, 1] of the speeds after and before an impact on the wall, or 'sorrentino'"
     if isinstance(given, str):
         if given != "sorrentino":
             raise ValueError(f"rebound: expected {expected}, got {given!r}")
         if not rectangle:
-            raise ValueError("rebound: 'sorrentino' is stated for rectangles; give a number e in [0, 1]")
+            raise ValueError("rebound: 'sorrentino' is valid for rectangles only; give a number e in [0, 1]")
         if np.any(np.tan(alpha) * LEAST_SLENDERNESS >= 1.0):
             raise ValueError(
-                "rebound: 'sorrentino' is stated for a slenderness above 1.414, got "
+                "rebound: 'sorrentino' is valid only for a slenderness above 1.414, got "
                 f"{float(np.min(1.0 / np.tan(alpha))):.3g}; give a number e in [0, 1]"
             )
         return np.asarray(sorrentino(alpha))
@@ -86,7 +86,7 @@ def both_corners(
         raise ValueError("offset, lean: expected a centre of mass above the base, between its two corners")
     if along:
         if mass is None:
-            raise ValueError("mass: expected a mass in kg for a body with a load that moves with it, got none")
+            raise ValueError("mass: expected a mass in kg, because a load moves with the body, got None")
         own = positive("mass", mass, "kg")
         weights = [one.weight / gravity for one in along]
         places = [near - (0.5 * (near + far) if one.distance is None else one.distance) for one in along]
@@ -119,7 +119,7 @@ def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
 
 
 def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
-    """Return the largest C that angular momentum allows; a body of unknown radius is taken as a rectangle."""
+    """Return the upper bound of C from conservation of angular momentum; without `radius`, the bound of a rectangle."""
     if radius is None:
         return 1.0 - 1.5 * np.sin(alpha) ** 2
     share = p**2 * radius / gravity
@@ -153,19 +153,17 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
 def restitutions_of(
     given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return C for both corners, or the rebound e for a body with a wall; `wall` is (one_sided, rebound)."""
+    """Return C for both corners, or the rebound e for a body beside a wall; `wall` is (one_sided, rebound)."""
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
     if not one_sided:
         if rebound is not None:
-            raise ValueError(f"rebound: expected none without one_sided=True, got {rebound!r}; give a restitution")
+            raise ValueError(f"rebound: only for a body with one_sided=True, got {rebound!r}; give a restitution")
         first, second = (restitution_of(given, one, own=shape == "own") for one in most)
         return first, second
     if not (isinstance(given, str) and given == "housner"):
-        raise ValueError(
-            f"restitution: expected none for a one-sided body, got {given!r}; give a rebound from its wall"
-        )
+        raise ValueError(f"restitution: not for a one-sided body, got {given!r}; give a rebound from its wall instead")
     share = rebound_of("sorrentino" if rebound is None else rebound, alpha, shape == "rectangle")
     return share, share
 
@@ -184,7 +182,7 @@ def check_restraints(restraints: Restraints, first: Corner, second: Corner, bloc
     for place, own in enumerate((first,) if leaning else (first, second)):
         moment = np.array([restraints.constant(float(width))[place, 0] for width in np.ravel(base)])
         if np.any(moment + np.ravel(block.mass * block.gravity * own.radius * np.sin(own.alpha)) <= 0.0):
-            raise ValueError("loads, thrusts: expected forces under which the body stands, got forces that overturn it")
+            raise ValueError("loads, thrusts: expected forces that leave the body at rest, got forces that overturn it")
 
 
 def block_warnings(
@@ -194,7 +192,7 @@ def block_warnings(
     shape: str,
     one_sided: bool,
 ) -> list[str]:
-    """Return warnings on unusual sizes of a body and on restitutions above their bounds; `half` is in m."""
+    """Return warnings of unusual sizes and of restitutions above their bounds; `half` is half width and height [m]."""
     first = corners[0]
     across, along = 2.0 * first.radius * np.sin(first.alpha), 2.0 * first.radius * np.cos(first.alpha)
     if shape in ("rectangle", "general"):
@@ -229,7 +227,7 @@ def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -
 
 
 def size_problem(width: float, height: float) -> str:
-    """Return why the full sizes [m] of a body look wrong, such as "wider than high"; empty if they look right."""
+    """Return what is unusual about the full sizes [m] of a body, such as "wider than high"; else an empty string."""
     if max(width, height) > LARGEST_SIZE:
         return f"larger than {LARGEST_SIZE:g} m"
     if height < LEAST_HEIGHT:
@@ -241,7 +239,7 @@ def size_problem(width: float, height: float) -> str:
 
 
 def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
-    """Return a warning on the first unusual size; empty if all sizes look right."""
+    """Return a warning about the first body of an unusual size; an empty string if there is no such body."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
         if doubt := size_problem(base, rise):

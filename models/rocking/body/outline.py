@@ -25,9 +25,9 @@ class TieLine(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """The outline of one body [m]."""
+    """The outline of one body for drawings; lengths in m."""
 
-    left: float  #: distances of the corners from the centre of mass, both positive
+    left: float  #: horizontal distances of the corners from the centre of mass, both positive
     right: float
     centre: float  #: height of the centre of mass
     height: float = math.nan  #: height of the body; if NaN, the triangle of corners and centre of mass is drawn
@@ -63,7 +63,7 @@ class Outline:
 
     @property
     def top(self) -> float:
-        """Height of the drawing [m]."""
+        """Height of the drawn outline [m]."""
         return self.height if math.isfinite(self.height) else self.centre
 
     @property

@@ -159,7 +159,7 @@ TIE, FRICTION = 0.0, 1.0
 
 
 class TieState(IntEnum):
-    """The effect of a motion on a tie, from the mildest to the most severe."""
+    """Effect of a motion on a tie, in order of severity."""
 
     SLACK = 0  #: the displacement of its attachment never exceeds its gap
     ELASTIC = 1  #: it acts and does not yield
@@ -177,7 +177,7 @@ class TieDemand(NamedTuple):
     force : (t, ...) ndarray
         Largest force [N]: stiffness times elongation, at most the yield force or the force at which it breaks.
     state : (t, ...) ndarray of int
-        :class:`TieState`; -1 where the rotation is not known.
+        :class:`TieState`; -1 if the rotation is NaN.
     """
 
     elongation: np.ndarray
@@ -270,7 +270,7 @@ class Restraints:
         return TieDemand(elongation, force, state)
 
     def elements(self, base: float) -> np.ndarray:
-        """Return the ties and the friction of loads as a table (e, 9) with the columns KIND to ULTIMATE."""
+        """Return a table (e, 9) of ties and frictional loads, which kernels read; its columns are KIND to ULTIMATE."""
         rows = []
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):
@@ -286,7 +286,7 @@ class Restraints:
         return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
 
     def constant(self, base: float) -> np.ndarray:
-        """Return the moment of loads and thrusts at each corner, as (2, 2) factors of cos(phi) and sin(phi) [N m]."""
+        """Return factors (2, 2) of cos(phi) and sin(phi) in the moment of loads and thrusts at each corner [N m]."""
         found = np.zeros((2, 2))
         for load in self.loads:
             near = self.bearing(load, base) - self.hinge

@@ -52,7 +52,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     right, left = float(one.radius * np.sin(one.alpha_c)), float(one.radius_2 * np.sin(one.alpha_2))
     if right + left > width:
         raise ValueError(
-            f"pedestal width: expected at least that of the base on it, {right + left:g} m, got {width:g} m"
+            f"pedestal width: expected at least the width of the block on it, {right + left:g} m, got {width:g} m"
         )
     whole = own + mass
     x, z = 0.5 * (left - right), height + float(one.radius * np.cos(one.alpha_c))
@@ -66,7 +66,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     return Block.from_corners(*body, mass=whole, log=False)
 
 
-#: Samples of the floor's motion per shortest period.
+#: Number of samples of the floor motion in the shortest period.
 SAMPLES = 40
 #: Upper bound of the duration computed after the end of the ground motion, in periods of each mode.
 MOST_PERIODS = 1000.0
@@ -117,11 +117,11 @@ def floor_motion(
     dt : float
         Sampling interval [s].
     period, damping, participation : float or (k,) array_like
-        For each mode: period [s], damping ratio [-] in (0, 1), and Gamma phi at the level of the floor [-], which may
-        be negative and is 1 for a building with a single mode.
+        For each mode: period [s], damping ratio [-] in (0, 1), and participation factor Gamma times mode shape phi at
+        the floor [-], which may be negative; 1 for a building with a single mode.
     quiet : float
-        Acceleration [m/s2] below which the oscillations after the record are cut off; at a thousandth of g tan(alpha)
-        of a body no motion that could lift it is lost.
+        Acceleration [m/s2] below which the oscillations after the record are cut off; a thousandth of g tan(alpha) of a
+        body omits no motion that could lift it.
 
     Returns
     -------

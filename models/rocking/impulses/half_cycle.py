@@ -56,7 +56,7 @@ def impact_speed(rotation, velocity):
 
 @njit()
 def return_growth(rotation, velocity, speed):
-    """Return e^tau - 1 for the return time tau, from the impact `speed`; inf if the block does not return."""
+    """Return e^tau - 1 for the time tau to the impact with this `speed`; inf if the block does not return."""
     growing = rotation - 1.0 + velocity
     if growing >= 0.0:
         return np.inf
@@ -75,7 +75,7 @@ def return_time(rotation, velocity):
 
 @njit()
 def rise_time(rotation, velocity):
-    """Return the time (times p) to the top of the motion, atanh(x'/(1 - x)); inf if there is no top."""
+    """Return the time (times p) to the largest rotation, atanh(x'/(1 - x)); inf if the block falls or overturns."""
     if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
         return np.inf
     return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
@@ -83,14 +83,14 @@ def rise_time(rotation, velocity):
 
 @njit()
 def top(rotation, velocity):
-    """Return the rotation at the top of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
+    """Return the largest rotation of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
     root = math.sqrt((1.0 - rotation - velocity) * (1.0 - rotation + velocity))
     return (rotation * (2.0 - rotation) + velocity * velocity) / (1.0 + root)
 
 
 @njit()
 def hop(velocity):
-    """Return the peak 1 - sqrt(1 - u^2) and the duration (times p) of a half-cycle (Eqs. 6, 7); inf for u >= 1."""
+    """Return peak 1 - sqrt(1 - u^2) and duration (times p) of a half-cycle from x' = u (Eqs. 6, 7); inf for u >= 1."""
     if velocity >= 1.0:
         return np.inf, np.inf
     return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
@@ -100,7 +100,7 @@ def hop(velocity):
 def free_decay_time(velocity, restitution):
     """Return the duration of a free decay (times p), the sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
-    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used; above it more than 100 000 hops give inf.
+    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used; more than 100 000 hops above it give inf.
     """
     if velocity >= 1.0 or restitution >= 1.0:
         return np.inf
@@ -165,10 +165,10 @@ def _condition(half, count, spacing, s):
 def corrected_duration(velocity, secondary, count, spacing):
     """Return the duration T of a half-cycle (times p), the smallest T with x(T) = 0; inf if the block overturns.
 
-    The root atanh(v) of the continuous limit is a lower bound of the roots for "end", "middle" and "open"; if it does
-    not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound rises
-    up to the smaller root, or passes the maximum (F' <= 0) if there is no root. F of "start" increases to 1 + s: its
-    root is bracketed.
+    It is 2 t with the root t of F(t) = target (module docstring). The root atanh(v) of the continuous limit is a lower
+    bound of the roots for "end", "middle" and "open"; if it does not exist, they have no root. Their F is concave with
+    one maximum: Newton's iteration from the lower bound rises up to the smaller root, or passes the maximum (F' <= 0)
+    if there is no root. F of "start" increases to 1 + s: its root is bracketed.
     """
     s = 0.5 * secondary
     target = velocity - s
@@ -238,10 +238,10 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit()
 def stays_bounded(main, ratio, restitution):
-    """Return whether a block survives an endless main sequence with a continuous secondary one; `ratio` is I_s/I.
+    """Return whether a block survives an endless main sequence, u_1 = `main`, with continuous secondary impulses.
 
-    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality counts as bounded, as the limit is never reached; a
-    tolerance allows for the rounding of u_1 and 1 - C.
+    It does if v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1, with `ratio` I_s/I. At equality it survives, because the
+    limit is never reached; a tolerance allows for the rounding of u_1 and 1 - C.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False
@@ -251,7 +251,7 @@ def stays_bounded(main, ratio, restitution):
     return limit * (1.0 - CRITICAL_TOLERANCE) <= 1.0 - restitution + 2.3e-16
 
 
-#: Largest number of steps of the trial march: p dT is at least 1e-4, and no half-cycle lasts longer than about 40/p.
+#: Largest number of steps dT to the first return: p dT is at least 1e-4, and no half-cycle is longer than about 40/p.
 _TRIAL_LIMIT = 1_000_000
 
 
@@ -265,10 +265,10 @@ def _first_wait(spacing, interval):
 
 @njit()
 def first_return(velocity, secondary, interval, spacing):
-    """Return the time T* (times p) of the first return in the march with the trial `interval` dT; inf if none.
+    """Return the time T* (times p) of the first return with the trial `interval` dT; inf if the block does not return.
 
-    If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
-    stays non-negative from then on: there is no return.
+    With the growing mode y = x - 1 + x' and a = `secondary`: if y >= 0 after an impulse towards the ground, the next
+    one, away from it, makes y at least a, and y exp(dT) - a is never negative after that, so there is no return.
     """
     rotation, elapsed, push, wait = 0.0, 0.0, -secondary, _first_wait(spacing, interval)
     for _ in range(_TRIAL_LIMIT):
@@ -287,7 +287,7 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit()
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Return the largest x of the corrected march (step 6), and the smallest x at its impulses (< 0: in the ground)."""
+    """Return the largest x in a half-cycle of duration `time`, and the smallest x at its impulses (may be below 0)."""
     interval = time / (count + 1 if spacing == OPEN else count)
     wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):

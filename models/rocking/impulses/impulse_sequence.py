@@ -11,7 +11,7 @@ from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main_sequence import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
-#: Default and largest number of intermediate impulses drawn in a half-cycle.
+#: Default and largest number of intermediate impulses in a half-cycle of a drawing.
 SHOWN, MOST = 4, 12
 #: Time of the first intermediate impulse after the main one, in intervals.
 FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
@@ -119,8 +119,8 @@ class ImpulseSequence(Shown):
         Returns
         -------
         float or (q,) ndarray
-            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
-            the supremum over N, at which the block just survives. The last main impulse governs (VALIDATION F4, V27).
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C), N the `main_count`;
+            without it the supremum over N, at which the block just survives.
 
         Raises
         ------
@@ -135,7 +135,7 @@ class ImpulseSequence(Shown):
         """
         ratio = np.divide(self.secondary, self.main, out=np.zeros(self.shape), where=np.asarray(self.main) > 0.0)
         _require((self.spacing == "continuous") | (ratio == 0.0), 'spacing: expected "continuous"', self.spacing)
-        _require(np.isinf(self.duration), "duration: expected inf, the number of main impulses alone", self.duration)
+        _require(np.isinf(self.duration), "duration: expected inf; set main_count instead", self.duration)
         c = _numbers("restitution", restitution)
         _require((c >= 0.0) & (c <= 1.0), "restitution: expected a velocity ratio from 0 to 1", restitution)
         if self.main_count is None:
@@ -160,7 +160,7 @@ class ImpulseSequence(Shown):
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the main and the secondary impulses of two half-cycles of the first sequence: (k, 2) times and sizes.
 
-        Times begin at the first main impulse and are divided by dT [-]; sizes [m/s] have the sign of the change.
+        Times begin at the first main impulse and are divided by dT [-]; sizes [m/s] are negative if opposite to it.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))
@@ -173,7 +173,6 @@ class ImpulseSequence(Shown):
         return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
 
     def _picture(self) -> Picture:
-        """Draw two half-cycles of the sequence, or of the first one of several."""
         mains, others = self.two_half_cycles()
         main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
         end, reach = 2.0 * float(mains[1, 0]), main or 1.0

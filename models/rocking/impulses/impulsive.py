@@ -45,7 +45,7 @@ def impulsive_response(
     Parameters
     ----------
     block : Block
-        One block, or (m,).
+        One block, or an array of m blocks.
     times, impulses : (k,) array_like
         Times [s], not decreasing, and signed impulses [m/s]. Simultaneous impulses act in the given order.
     duration : float, optional
@@ -65,9 +65,9 @@ def impulsive_response(
     Returns
     -------
     Response
-        Arrays (q, m), without the axis of a scalar; with a history `time` (h,), `rotation` and `velocity` (q, m, h),
-        NaN once the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses.
-        With `gain="exact"` an impulse in flight may lift the block again; passing alpha_c is not overturning.
+        Arrays (q, m), without the axis of a scalar argument; a history has `time` (h,), `rotation` and `velocity` (q,
+        m, h), NaN once the block lies on the ground. UNRESOLVED after 100 000 impacts between two impulses.
+        With `gain="exact"` an impulse may bring back a falling block: passing alpha_c is not overturning.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def _checked(times: ArrayLike, impulses: ArrayLike, scale: ArrayLike) -> tuple[n
     if np.any(np.diff(times) < 0.0):
         where = int(np.flatnonzero(np.diff(times) < 0.0)[0])
         raise ValueError(
-            f"times: expected them in order, got {times[where]} s before {times[where + 1]} s at index {where}; "
+            f"times: expected ascending times, got {times[where]} s before {times[where + 1]} s at index {where}; "
             "sort times and impulses together"
         )
     if scale.ndim > 1 or not np.all(np.isfinite(scale)):

@@ -16,29 +16,29 @@ from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 PAPER, LINEAR, EXACT, TANGENT = range(4)
 #: Largest number of impacts computed between two impulses; a lane with more is UNRESOLVED.
 IMPACT_LIMIT = 100_000
-#: An impulse within this time (times p) of an impact acts together with it. Times of some hundred seconds have rounding
-#: errors of 1e-13 s, which the instability of the motion multiplies by up to 1e3; a shift of an impact by 1e-9/p
-#: changes the motion by no more than 1e-9.
+#: An impulse within this time (times p) of an impact acts at the time of the impact. Times of some hundred seconds have
+#: rounding errors of 1e-13 s, which the instability of the motion multiplies by up to 1e3; a shift of an impact by
+#: 1e-9/p changes the motion by no more than 1e-9.
 COINCIDENCE = 1e-9
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
 #: Longest time between two impulses in one growth factor, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
-#: If the remaining time in the growth factor falls below this, it is extended by the rest of the time between impulses.
+#: A growth factor over a shorter time, times p [-], is extended by the remaining time until the next impulse.
 _SHORTEST_GROWTH = 100.0
 
 
 class Train(NamedTuple):
-    """The impulses of the ground in order of time."""
+    """The impulses of the ground in chronological order."""
 
     times: np.ndarray  #: (k,) times [s], not decreasing
     impulses: np.ndarray  #: (k,) signed sizes [m/s]
-    sizes: np.ndarray  #: (k,) absolute values of the sizes [m/s]
-    left: np.ndarray  #: (k,) sum of the absolute sizes from each impulse on [m/s]
+    sizes: np.ndarray  #: (k,) absolute values of the impulses [m/s]
+    left: np.ndarray  #: (k,) sum of the absolute values from each impulse on [m/s]
 
 
 class ImpulsiveLanes(NamedTuple):
-    """The (q m,) lanes: one for each of q factors on the impulses and each of m blocks."""
+    """The q m lanes, one for each of q factors on the impulses and each of m blocks."""
 
     scale: np.ndarray  #: (q, m) factor on the impulses [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
@@ -49,7 +49,7 @@ class ImpulsiveLanes(NamedTuple):
 
 
 class History(NamedTuple):
-    """The motion of every lane at given times."""
+    """The motion of each block under each factor at given times."""
 
     times: np.ndarray  #: (h,) times [s], ascending; (0,) for no history
     motion: np.ndarray  #: (q m, h, 2) zeros that receive theta [rad] and theta' [rad/s]; NaN once the block lies down
@@ -57,7 +57,7 @@ class History(NamedTuple):
 
 @njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """Return whether the block must overturn: y(t) exceeds the sum of abs(dy) exp(-p (t_i - t)) of later impulses."""
+    """Return whether the block must overturn, as later impulses cannot make its growing mode negative."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))
@@ -71,7 +71,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 
 @njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
-    """Write the motion between two events at the history's times in [begin, end); return the next free index."""
+    """Write the motion at the times of the history in [begin, end); return the index of the next time to be written."""
     times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
@@ -87,7 +87,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
 
 @njit()
 def _arc(rotation, velocity, sinh, cosh_less_one):
-    """Return the rotation and velocity after a time t, from sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
+    """Return rotation and velocity after a time t of natural motion, from sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
     return (
         rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
         velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
@@ -96,7 +96,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
 
 @njit()
 def _decays(velocity, restitution, remaining):
-    """Return whether all further hops end within `remaining`; their sum is from 2 u/(1 - C) to 2 atanh(u)/(1 - C)."""
+    """Return whether a free decay, which lasts from 2 u/(1 - C) to 2 atanh(u)/(1 - C), ends within `remaining`."""
     loss = 1.0 - restitution
     if 2.0 * velocity > loss * remaining:
         return False
@@ -117,10 +117,10 @@ def _tabulate(waits, times, p):
 
 @njit(_nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
-    """Compute the lanes first_lane to last_lane - 1 and write their results; `waits` (3, k) is work space.
+    """Compute lanes first_lane to last_lane - 1 and write their results; `waits` (3, k) is working memory.
 
-    Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes
-    between two impulses. Between events only square roots are computed: exp(p t) of a return is algebraic.
+    Lane l is block l // q under the factor l % q, so that neighbouring lanes have the same p and the same `waits`. No
+    logarithms are needed between events, because exp(p t) at an impact is an algebraic function of x and x'.
     """
     times, impulses = train.times, train.impulses
     total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size
@@ -140,7 +140,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
         elif lanes.gain == TANGENT:
             lane_gain *= angle / math.tan(angle)
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
-        # The highest top is kept as its energy E = x (2 - x) + x'^2 and as 1 - E, without cancellation.
+        # The peak is stored as its energy E = x (2 - x) + x'^2 and as 1 - E, which avoids cancellation.
         peak, energy, left, overturning_time = 0.0, 0.0, 1.0, np.nan
         rotation, velocity, side, moving, contact = 0.0, 0.0, 1.0, False, False
         bounces, sampled = 0, 0
@@ -165,7 +165,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
             ahead = growth[i]
             reserve = 0.0 if last else max(rate * (times[i + 1] - times[i]) - _LONGEST_GROWTH, 0.0)
             begin, bounce = times[i], 0
-            # An upper bound of the remaining wait, which saves most logarithms of the test for rest.
+            # Upper bound of the time until the next impulse, which avoids most logarithms in the test for rest.
             longest = np.inf if last else rate * (times[i + 1] - times[i])
             while moving:
                 if samples == 0 and not last and reserve == 0.0 and bounce > 0:

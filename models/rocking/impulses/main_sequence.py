@@ -48,10 +48,10 @@ def amplification(restitution, half_cycle):
 
 @njit()
 def overturning_half_cycle(main, restitution):
-    """Return the half-cycle in which an endless main sequence overturns the block; -1 if it never does.
+    """Return the half-cycle in which an endless main sequence overturns the block; -1 if it does not.
 
-    The smallest i with u_i >= 1 is i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for
-    rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9.
+    The smallest i with u_i >= 1 is i = ceil(ln(1 - (1 - C)/u_1)/ln C), with u_1 = `main`; -1 for u_1 <= 1 - C. Both
+    comparisons allow for rounding (`CRITICAL_TOLERANCE`), so that I = I_2c overturns in half-cycle 2.
     """
     if main <= 0.0 or stays_bounded(main, 0.0, restitution):
         return -1
@@ -70,7 +70,7 @@ def overturning_half_cycle(main, restitution):
 
 @njit(_nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
-    """Write the results and the `HalfCycleTable` of the lanes first_lane to last_lane - 1."""
+    """Compute lanes (a block under a sequence) first_lane to last_lane - 1; write results and the half-cycle table."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -118,7 +118,7 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-] for infinitely many secondary impulses (S_i: `amplification`)."""
+    """Return (u_i - sigma u_1/2)/u_1 of half-cycle i with infinitely many secondary impulses, sigma = I_s/I [-]."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
@@ -133,7 +133,7 @@ def start_of_half_cycle(needed, restitution, ratio, half_cycle):
 
 @njit()
 def last_half_cycle(restitution, ratio, end, main_count):
-    """Return the last half-cycle, up to `main_count`, that starts before `end` at its smallest overturning factor."""
+    """Return the last half-cycle, up to `main_count`, for which :func:`_start_at_edge` is before `end`."""
     low, high = 1, 2
     while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
         low, high = high, 2 * high
@@ -156,7 +156,7 @@ def _start_at_edge(restitution, ratio, half_cycle):
 
 @njit(_nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Write the smallest scale factor that overturns each lane: I_Nc/I of its last half-cycle N."""
+    """Write the smallest scale factor that overturns each block, I_Nc/I with its last possible half-cycle N."""
     for lane in range(first_lane, last_lane):
         c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
         if end != np.inf:
@@ -212,7 +212,7 @@ def resonance(
     Parameters
     ----------
     block : Block
-        One block, or (m,).
+        One block, or an array of m blocks.
     impulse : float or (q,) array_like
         I [m/s], finite, not negative.
     half_cycles : int, (q,) array_like of int, or None
@@ -227,9 +227,9 @@ def resonance(
     Returns
     -------
     Response
-        Arrays (q, m), without the axis of a scalar. The free decay after the last main impulse is included in
+        Arrays (q, m), without the axis of a scalar argument. The free decay after the last main impulse is included in
         `impacts`, but not in the table, which ends early if the velocity has reached its limit (Eq. 10).
-        `overturning_time` is the start of the half-cycle that overturns. u = 1 overturns.
+        `overturning_time` is the start of the half-cycle in which the block overturns; u = 1 overturns it.
 
     Examples
     --------
@@ -248,7 +248,7 @@ def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
     Parameters
     ----------
     block : Block
-        One block, or (m,), with its restitution C.
+        One block, or an array of m blocks, with restitution C.
     half_cycle : int
         i >= 1; 1 is a single impulse, 2 the critical double impulse.
 
@@ -330,7 +330,7 @@ def resonance_safety(
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the arrays for a kernel, their shape (q, m), and which of the two axes came from a single value."""
+    """Return the shape (q, m), which of its axes come from single values, and the arrays for a kernel."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")

@@ -47,22 +47,22 @@ def sequence_response(
     Parameters
     ----------
     block : Block
-        One block, or (m,).
+        One block, or an array of m blocks.
     sequence : ImpulseSequence
-        One sequence, or (q,); see :meth:`ImpulseSequence.scaled`.
+        One sequence, or q of them; see :meth:`ImpulseSequence.scaled`.
     table_rows : int
         Largest number of half-cycles in the table; 0 for no table, which halves the computing time.
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
-        Whether each of the (m,) blocks is paired with one of (m,) sequences.
+        Whether each of the m blocks is paired with one of m sequences.
 
     Returns
     -------
     Response
-        Arrays (q, m), without the axis of a scalar; (m,) for pairs. The table contains the half-cycles that a main
-        impulse starts, until the motion repeats itself; later half-cycles and the free decay are only included in
-        `impacts`, which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns.
+        Arrays (q, m), without the axis of a scalar argument; (m,) for pairs. The table contains the half-cycles that a
+        main impulse starts, until the motion repeats itself; later half-cycles and the free decay are only included in
+        `impacts`, which is -1 for an endless motion. `overturning_time` is the start of the overturning half-cycle.
         UNRESOLVED after 50 000 half-cycles without an end (HALF_CYCLE_LIMIT), or for an interval below 1e-4/p
         (SHORT_INTERVAL).
 
@@ -75,11 +75,11 @@ def sequence_response(
     Notes
     -----
     With u_1 = I/I_1c (Eq. 3) and a = u_1 I_s/I (Eq. 11), each half-cycle of start velocity u goes through the steps of
-    section 3.2: march with the trial dT to the first return T*, or T* of the limit n -> infinity if it does not return;
-    n = max(2, 2 round(T*/(2 dT))); solve x(T) = 0 for the smallest T with the corrected interval dT = T/n (T/(n + 1)
-    for "open"); no root: overturned. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3
-    and "middle" above 6/7 the corrected march may pass through the ground inside a half-cycle, which the closed form
-    does not see: this is logged as a warning.
+    section 3.2: find the first return T* with the trial dT, or T* of the limit n -> infinity if it does not return; n =
+    max(2, 2 round(T*/(2 dT))); solve x(T) = 0 for the smallest T with the corrected interval dT = T/n (T/(n + 1) for
+    "open"), without a root the block overturns. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with
+    I_s/I above 2/3 and "middle" above 6/7 the corrected motion may pass through the ground inside a half-cycle, which
+    the closed form does not detect: this is logged as a warning.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Return the outcomes (q, n) of `chosen` blocks (n,) under a sequence, or one for each, times `factors` (q, n)."""
+    """Return outcomes (q, n) of the blocks with indices `chosen` (n,) under their sequence times `factors` (q, n)."""
     paired = sequence.shape != ()
     if (paired and sequence.shape != block.shape) or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
@@ -135,7 +135,7 @@ def _combined(
 
 
 def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceLanes, np.ndarray]:
-    """Return the lanes for the kernel, and a mask of the lanes whose secondary impulses are too close together."""
+    """Return the arrays for the kernel, and a mask of entries whose secondary impulses are too close together."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
@@ -149,7 +149,7 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceL
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:
-    """Mark the lanes whose secondary impulses are too close together as UNRESOLVED."""
+    """Return the response with the outcome UNRESOLVED if secondary impulses are too close together (`short`)."""
     short = short.reshape(np.shape(response.outcome))
     marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
     found = {
@@ -225,7 +225,7 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
 
 
 def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
-    """Return the number of main impulses until the sequence ends or the block overturns; inf if it is endless."""
+    """Return the number of main impulses until the sequence ends or the block overturns; inf if neither happens."""
     assert response.half_cycles is not None
     durations = response.half_cycles.duration
     if durations.size == 0:
@@ -248,7 +248,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
 
 
 def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times of a half-cycle's secondary impulses after the main impulse, and their sizes over I_s."""
+    """Return times of secondary impulses after the main one, and sizes divided by I_s, positive if opposite to it."""
     if sequence.spacing == "continuous":
         return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
     order = np.arange(1, table.impulse_count[row] + 1)
@@ -261,7 +261,7 @@ def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class SteadyState(LaneValues):
-    """The limit of the half-cycles under an endless sequence; arrays (q, m), or scalars for one block and one sequence.
+    """The steady state under an endless sequence; arrays (q, m), or scalars for one block and one sequence.
 
     Attributes
     ----------
@@ -296,14 +296,14 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
-        One block or (m,), and one sequence or (q,), of spacing "continuous" or without secondary impulses; its duration
-        and main count are ignored.
+        One block or m blocks, and one sequence or q sequences of spacing "continuous" or without secondary impulses;
+        the duration and the main count are ignored.
 
     Returns
     -------
     SteadyState
-        Arrays (q, m), without the axis of a scalar: the fixed point u* of u_{i+1} = C (u_i - u_1 I_s/I) + u_1, which is
-        Eq. (10) without secondary impulses.
+        Arrays (q, m), without the axis of a scalar argument: the fixed point u* of u_{i+1} = C (u_i - u_1 I_s/I) + u_1,
+        which is Eq. (10) without secondary impulses.
 
     Raises
     ------

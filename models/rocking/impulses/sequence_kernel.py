@@ -23,7 +23,7 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
 class SequenceLanes(NamedTuple):
-    """Lanes for the kernel, each with one block under one sequence; all have the same spacing."""
+    """Lanes for the kernel, each with one block under one sequence; all sequences have the same spacing."""
 
     main: np.ndarray  #: (lanes,) u_1 [-]
     secondary: np.ndarray  #: (lanes,) a = u_1 I_s/I [-]
@@ -32,21 +32,21 @@ class SequenceLanes(NamedTuple):
     interval: np.ndarray  #: (lanes,) trial interval dT [s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]
     main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
-    intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 to take it from the trial march
+    intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 to find it with the trial interval
     spacing: int  #: code of the spacing, see :mod:`rocking.impulses.half_cycle`
 
 
 class HalfCycleTable(NamedTuple):
-    """The table of half-cycles that a kernel writes besides :class:`rocking.response.LaneResults`."""
+    """The table of half-cycles, which a kernel writes in addition to :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
-    followed: np.ndarray  #: (lanes,) of int, number of half-cycles before the motion ends or repeats itself
+    followed: np.ndarray  #: (lanes,) of int, number of half-cycles until the motion ends or repeats itself
 
 
 @njit()
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
-    """Return peak, duration (inf if overturned), n, dT, impact speed and lowest rotation of one half-cycle."""
+    """Return peak, duration (inf: overturns), number and interval of impulses, impact speed and lowest rotation."""
     if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
@@ -75,7 +75,7 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
 
 @njit()
 def repetitions(start, time, duration, main_count):
-    """Return the number of equal half-cycles that start before the main sequence ends; -1 if it is endless."""
+    """Return how many equal half-cycles of length `time` start before the sequence ends; -1 for an endless sequence."""
     left = (duration - start) / time
     if left == np.inf:
         return -1 if main_count > UNLIMITED // 2 else main_count
@@ -84,7 +84,7 @@ def repetitions(start, time, duration, main_count):
 
 @njit(_nrt=False)
 def sequence_lanes(first_lane, last_lane, lanes, results, table):
-    """Write the results and the half-cycles of the lanes first_lane to last_lane - 1."""
+    """Compute lanes (a block under a sequence) first_lane to last_lane - 1; write results and the half-cycle table."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -154,7 +154,7 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
         table.lowest[lane], table.followed[lane] = lowest, used
 
 
-#: A rotation below this is inside the ground [-]; a negative one above it is a rounding error.
+#: A negative rotation x larger than this is inside the ground [-]; a smaller one is a rounding error.
 GROUND_TOLERANCE = 1e-12
 #: Default number of half-cycles in a table.
 TABLE_ROWS = 1000
@@ -163,7 +163,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Combine q inputs with m blocks, each with each or in pairs; return shape, single-value axes, and flat arrays."""
+    """Combine q inputs with m blocks, all with all or in pairs; return shape, whether axes are scalar, flat arrays."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:
@@ -194,7 +194,7 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run the kernel, then once more to fill a table of up to `table_rows` half-cycles; return the response."""
+    """Run the kernel, a second time to fill a table of up to `table_rows` half-cycles, and return the response."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]

@@ -1,8 +1,8 @@
 """Events of a body that turns about two different corners, or about a single corner beside a wall.
 
-.. note:: Units and signs are those of slots.py, with alpha, p and tau = p t of the current corner; rows OTHER_...
-   contain the values of the other corner, and both are exchanged at an impact. A body beside a wall stays on its
-   corner. A restrained body lifts at abs(a_g)/g = (1 + a_v/g) THRESHOLD + EXTRA.
+.. note:: Units and signs are those of slots.py, with alpha, p and tau = p t of the corner about which the body turns;
+   rows OTHER_... contain the values of the other corner, and both are exchanged at an impact. A body beside a wall
+   always turns about the same corner. A restrained body lifts at abs(a_g)/g = (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math
@@ -28,19 +28,19 @@ from rocking.response import IMPACT_CUTOFF
     OTHER_EXTRA,
     ONE_SIDED,  # 1.0 beside a wall
     # For a restrained body, see restrained.py.
-    SINE_ALPHA,  # of the corner that the body turns about
+    SINE_ALPHA,  # sin(alpha) of the corner about which the body turns
     COSINE_ALPHA,
     SINE,  # terms that restraints add to the factors of sin(phi) and cos(phi) in -phi''
     COSINE,
     SINE_2,  # and to the factors of sin(2 phi) and cos(2 phi)
     COSINE_2,
-    STIFFEST,  # upper bound of the slope of the restraints' moment over phi
-    FLOOR,  # range of phi in which this moment is one function of phi
+    STIFFEST,  # upper bound of the derivative of the moment of the restraints with respect to phi
+    FLOOR,  # range of phi in which the factors are constant
     CEILING,
-    SLIDES,  # 1.0 if the function changes when an outward motion turns back, -1.0 an inward one
+    SLIDES,  # 1.0 if a reversal of an outward motion changes them, -1.0 if one of an inward motion does, else 0.0
     FREE_LONGEST,  # longest step without restraints
     OTHER_FREE_LONGEST,
-    STALLS,  # number of changes of the restraints in a row without motion between them
+    STALLS,  # number of consecutive changes of the restraints without motion
 ) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
 CORNER_ROWS = FLOAT_ROWS + 24
 #: Rows with one quantity of the current corner and of the other corner.
@@ -76,7 +76,7 @@ def turn_over(f, j):
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Return the time until a ground push exceeds a threshold (both linear in tau); -1 if later than `remaining`."""
+    """Return the time tau until `push` exceeds a threshold (both linear in tau); -1 if not within `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0
@@ -86,7 +86,7 @@ def lift_time(push, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def wake_corner(f, i, j, record):
-    """Move resting body j to its uplift as :func:`rocking.march.event.wake` does, on the corner that lifts first."""
+    """Advance resting body j as :func:`rocking.march.event.wake` does, to uplift about either of its two corners."""
     last = record.acceleration.size - 1
     for _ in range(last + 1):
         passed, length, side = f[row.PASSED + j], f[row.LENGTH + j], f[row.SIDE + j]
@@ -117,7 +117,7 @@ def wake_corner(f, i, j, record):
         ahead = next_lift(sample + 1, record, f[row.FACTOR + j], f[row.SIDE + j], *levels)
         if ahead > last:
             return event.RESTING
-        # It lifts before that sample, or in this one if rounding has put the crossing at its end.
+        # The body lifts before sample `ahead`, or at `sample` + 1 if rounding has moved the uplift there.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
             return event.RESTING
@@ -128,7 +128,7 @@ def wake_corner(f, i, j, record):
 
 @njit(_nrt=False)
 def hops_have_ended(f, j, record, equation, far, sliding):
-    """Return whether body j comes to rest, as event.chatter_is_over does, for two corners and restraints."""
+    """Return whether body j comes to rest, as event.chatter_is_over does, with different corners or restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
@@ -148,7 +148,7 @@ def hops_have_ended(f, j, record, equation, far, sliding):
         peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
     if threshold <= 0.0 or pull <= 0.0:
         return False
-    # The body lifts about each corner under another push; towards a wall the ground cannot lift the body.
+    # Each corner has its own uplift threshold; a push towards a wall cannot lift the body.
     start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
@@ -168,7 +168,7 @@ def after_impact(f, i, j, record, equation, far, sliding):
     speed = f[row.SPEED + j]
     if speed == 0.0:
         return event.RESTING
-    # Faster impacts are counted, so the motion goes on.
+    # After a faster impact, which is counted, the motion is computed further.
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
         far = far or f[row.HITS + j] >= event.MANY_IMPACTS
         if sliding is None:
@@ -187,7 +187,7 @@ def after_impact(f, i, j, record, equation, far, sliding):
 
 @njit(_nrt=False)
 def top_of_hop(speed, alpha, linear):
-    """Return the largest phi [rad] of a free hop that leaves the ground with dphi/dtau = `speed` and returns."""
+    """Return the largest phi [rad] on still ground of a motion that starts at phi = 0 with dphi/dtau = `speed`."""
     if not linear:
         return top_rotation(speed, alpha)
     share = speed / alpha
@@ -196,7 +196,7 @@ def top_of_hop(speed, alpha, linear):
 
 @njit(_nrt=False)
 def first_excursion(phi, speed, alpha, linear):
-    """Return the largest phi (inf if it overturns), tau until impact or overturning, and the impact speed or NaN."""
+    """Return largest phi (inf: overturns), time tau to impact or overturning, and impact speed on still ground."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -211,7 +211,7 @@ def first_excursion(phi, speed, alpha, linear):
     excess = 0.5 * speed * speed - 2.0 * half * half
     fall = 0.5 * math.pi - alpha
     over = speed > 0.0 and excess >= 0.0 if phi < alpha else speed >= 0.0 or excess <= 0.0
-    turn = 2.0 * math.asin(min(1.0, math.sqrt(max(0.0, -0.5 * excess))))  # distance from the top at which it turns back
+    turn = 2.0 * math.asin(min(1.0, math.sqrt(max(0.0, -0.5 * excess))))  # abs(phi - alpha) at which it turns back
     if over:
         if speed >= 0.0:
             return math.inf, flight_time(excess, phi - alpha, fall), math.nan
@@ -225,7 +225,7 @@ def first_excursion(phi, speed, alpha, linear):
 
 @njit(_nrt=False)
 def free_motion(f, j, linear):
-    """Compute the motion of body j after the record, on still ground, to its end.
+    """Compute the motion of body j after the record, on still ground, until it rests or overturns.
 
     Return the largest phi/alpha, inf if it overturns; the time until it overturns [s], else NaN; the number of impacts
     before overturning; and the number of impacts above the cut-off, -1 if they never end.
@@ -240,7 +240,7 @@ def free_motion(f, j, linear):
     if top == math.inf:
         return top, time, 0, 0
     peak, first, second = top / alpha, arrival / alpha, 0.0
-    # Each hop is slower than the one two before it: if the first two do not overturn, no later one does.
+    # Each half-cycle is slower than the one two before it: if the first two do not overturn, no later one does.
     for impact in range(1, 3):
         speed = restitution * arrival * p / other_p
         alpha, other_alpha = other_alpha, alpha

@@ -15,7 +15,7 @@ from rocking.march.slots import LEFT, Slots, empty_slots
 
 
 class CornerLanes(NamedTuple):
-    """The (q m,) lanes of q factors on the record and m bodies: lane l is body l % m under the factor l // m."""
+    """The q m lanes of q factors on the record and m bodies: lane l is body l % m under the factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each body [-]
@@ -34,7 +34,7 @@ def corner_slots() -> Slots:
 
 @njit(_nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, restraints):
-    """Start a lane in slot j; return its state: MOVING, or a final state if it ends at the first sample."""
+    """Start the computation of a lane in slot j; return MOVING, or its final state if it ends at the first sample."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
     f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0
@@ -43,7 +43,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, restraints):
     own = 0 if side > 0.0 else 1
     factor = lanes.factors[lane // lanes.side.size] * lanes.gains[block]
     f[more.EXTRA + j] = f[row.PEAK + j] = f[more.STALLS + j] = 0.0
-    # First the other corner, whose rows are copied, then the current one.
+    # First the other corner, whose values are then copied to the rows OTHER_..., and then the current corner.
     for turn in range(2):
         if turn == 1:
             for here, there in more.PAIRS:
@@ -71,7 +71,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, restraints):
 
 @njit(_nrt=False)
 def end_corner_lane(f, i, j, c, status, record, equation, count, restraints, work):
-    """Return the results of the ended lane in slot j, in the order of :class:`rocking.response.LaneResults`."""
+    """Return the results of the computation in slot j, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     if restraints is not None:
         keep_peaks(f, j, i[row.LANE + j], restraints, status == event.OVERTURNED)
@@ -100,7 +100,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, restraints, wor
 
 @njit(_nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, restraints):
-    """Return the state of body j after a step marked ATTENTION, and whether its lane has ended."""
+    """Return the state of body j after a step marked ATTENTION, and whether its computation has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
@@ -126,7 +126,7 @@ def decide_corner(f, i, j, record, equation, far, count, restraints):
 
 @njit(_nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, restraints, work):
-    """Compute lanes as kernel.march_lanes does; without restraints, `restraints` and `work` are None."""
+    """Compute lanes as kernel.march_lanes does; `restraints` and `work` are None for bodies without restraints."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

@@ -31,7 +31,7 @@ from rocking.response import Outcome, Response, empty_results, response_of
 
 
 def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """Run a kernel on (q, m) lanes; return the response, with a history of `samples` samples (0 for none)."""
+    """Run a kernel for q factors and m bodies (`shape`); return the response, with a history unless `samples` is 0."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -83,7 +83,7 @@ def march_bodies(
 
 
 def _restraint_state(block: Block, copies: int) -> RestraintState:
-    """Return the restraints of (m,) bodies for the kernel, with arrays for their states in `copies` lanes per body."""
+    """Return the restraints of m bodies for the kernel, with arrays of their states under `copies` scale factors."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
     tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
@@ -112,7 +112,7 @@ def _restraint_state(block: Block, copies: int) -> RestraintState:
 
 
 def uplift_additions(block: Block) -> np.ndarray:
-    """Return by how much loads and thrusts raise the uplift threshold abs(a_g)/g of both corners (2, m)."""
+    """Return the increase of the uplift threshold abs(a_g)/g of both corners due to loads and thrusts, (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
         restraints = _restraint_state(block, 1)

@@ -6,7 +6,8 @@
    E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau.
 
    A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 in the direction
-   of rotation; after an impact the next excursion starts with y = -1 + C times the impact speed.
+   of rotation; after an impact the next excursion starts with y = -1 + C times the impact speed. A lobe of E is an
+   interval in which it keeps its sign; the build-up is the speed that resonance with the largest lobes would give.
 """
 
 import math
@@ -28,11 +29,11 @@ HANDED_ON = 0.9
 #: If speed plus remaining build-up is below this, a block will not overturn: in the measured ensembles the lowest sum
 #: of a block that later overturned was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
-#: Relative tolerance at the ends of these ranges, far above the rounding error of a product.
+#: Relative tolerance at the ends of the measured ranges, far above the rounding error of a product.
 ROUNDING = 1e-9
 #: Ranges in which SETTLED was measured: p [1/s], alpha_c [rad], C divided by Housner's value [-], p dt [-].
 MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
-#: Number of levels of the build-up for which the last sample above is kept: 8 max abs(a_g)/p 2^(-k/4).
+#: Number of levels of the build-up, 8 max abs(a_g)/p 2^(-k/4), for each of which the last sample above it is stored.
 LEVELS = 56
 #: Values of C for which the remaining build-up is computed; a block uses the next larger one.
 RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
@@ -48,9 +49,10 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Find the largest lobes of abs(E(t0)), descending, and the last sample with a build-up above each level.
+    """Find the largest lobes of the weighted impulse E(t0), and the last sample with a build-up above each level.
 
-    E is the integral of e^(-p (t - t0)) a_g(t) from t0 on, in one backward pass, exact for a piecewise linear a_g.
+    E, the integral of e^(-p (t - t0)) a_g(t) from t0 on, is exact for an a_g that is linear between samples. The
+    build-up at t0 is the sum over k of r^k E_k, with r from `ratios` and E_k the lobes after t0 in descending order.
     """
     count = largest.shape[1]
     unseen = np.empty(ratios.shape[0], dtype=np.int64)
@@ -91,12 +93,12 @@ def _lobes(
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """The demand of a ground motion on (m,) blocks; all measures are proportional to a factor on the record.
+    """The demand of a ground motion on (m,) blocks, proportional to a scale factor on the record.
 
     Attributes
     ----------
     largest, lobes : (m,) ndarray, (m, LOBES) ndarray
-        p abs(E)/(g tan alpha) of the largest lobes, descending [-]; the first of them is `largest`.
+        p abs(E)/(g tan alpha) of the largest lobes of the weighted impulse E, descending [-]; `largest` is the first.
     build_up : (m,) ndarray
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-]: the speed that resonance
         (Eq. 5) would build up with these impulses, the largest one last.

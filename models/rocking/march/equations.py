@@ -28,12 +28,12 @@ def hyperbolic(h):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """Take one exact step of the first `width` slots, and write the rows that :func:`finish_steps` reads.
+    """Take one exact step of the bodies in the first `width` slots; write the rows that :func:`finish_steps` reads.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. The
-    largest phi'' is that at an end of the step, within a factor of 1/(1 - h^2/8). A step is marked if the growing mode
-    exceeds its LIMIT.
+    largest abs(phi'') is at most 1/(1 - h^2/8) times the larger one of the two ends. A step is marked if the growing
+    mode phi - alpha + phi' exceeds LIMIT.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -63,7 +63,7 @@ def linear_steps(f, width):
 
 @njit(_nrt=False)
 def linear_after(phi, speed, alpha, restitution):
-    """Return the motion on still ground (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
+    """Return peak [rad], tau, impacts before overturning and impact speed of a motion on still ground (Eqs. 2, 6, 8).
 
     If the block overturns, the peak is inf and tau is the time until then, else tau is NaN; the speed is divided by p
     alpha_c. With xi = phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 =
@@ -76,7 +76,7 @@ def linear_after(phi, speed, alpha, restitution):
     square = xi * (2.0 - xi) + eta * eta
     impact_speed = math.sqrt(square)
     rebound = restitution * impact_speed
-    if eta < 0.0 and rebound >= 1.0:  # only a block that moves towards the ground hits faster than critical
+    if eta < 0.0 and rebound >= 1.0:  # outward motions end below the critical speed
         fall = xi * (2.0 - xi) / (impact_speed - eta)
         return np.inf, math.log1p((xi + fall) / (1.0 - xi - eta)), 1, impact_speed
     peak = rebound * rebound / (1.0 + math.sqrt(max(0.0, 1.0 - rebound * rebound)))
@@ -93,7 +93,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 @njit(inline="always")
 def sine_and_cosine(q):
-    """Return sin q and cos q for abs(q) <= 1.7 from series, exact to rounding, in arithmetic that vectorises."""
+    """Return sin q and cos q for abs(q) <= 1.7 from series, exact to rounding; loops with it become vector code."""
     z = q * q
     sine = q + q * z * (S3 + z * (S5 + z * (S7 + z * (S9 + z * (S11 + z * (S13 + z * (S15 + z * (S17 + z * S19))))))))
     cosine = 1.0 + z * (
@@ -141,10 +141,10 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """Take one Taylor step of the first `width` slots, and write the rows that :func:`finish_steps` reads.
+    """Take one Taylor step of the bodies in the first `width` slots; write the rows that :func:`finish_steps` reads.
 
-    abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes). A step is
-    marked if phi may pass TOP or the last term of its series exceeds its bound TRUNCATION.
+    abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes of lift and
+    ground). A step is marked if phi may pass TOP or the last term of its series exceeds its bound TRUNCATION.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -177,9 +177,9 @@ def nonlinear_steps(f, width):
 def flight_time(excess, start, stop):
     """Return the time p t of the free motion from psi = `start` to `stop` (no turning point), psi = phi - alpha.
 
-    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; the time is inf if it is 0 and the
-    top is passed. With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau =
-    dz/cos(psi/2) is smooth: Gauss-Legendre panels of unit length in z are exact to rounding.
+    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above unstable equilibrium (psi = 0); if it is 0 and the motion
+    passes psi = 0, the time is inf. With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (excess >= 0) or k cosh z
+    (excess < 0) dtau = dz/cos(psi/2) is smooth: Gauss-Legendre panels of unit length in z are exact to rounding.
     """
     k = max(math.sqrt(0.5 * abs(excess)), 1e-150)
     low = math.sin(0.5 * min(start, stop)) / k
@@ -205,10 +205,10 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Return the nonlinear motion as :func:`linear_after` does, from energy; overturning is at phi = pi/2.
+    """Return the results of :func:`linear_after` for the nonlinear equation, from energy; it overturns at phi = pi/2.
 
-    The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
-    outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.
+    The energy above unstable equilibrium (phi = alpha) is E = phi'^2/2 - 2 sin^2((alpha - phi)/2). With phi < alpha a
+    block overturns if it moves outward with E >= 0; with phi > alpha it returns only if it moves inward with E > 0.
     """
     half_alpha = math.sin(0.5 * alpha)
     half = math.sin(0.5 * (alpha - phi))
@@ -236,7 +236,7 @@ def nonlinear_after(phi, speed, alpha, restitution):
 
 @njit(_nrt=False)
 def top_rotation(speed, alpha):
-    """Return the largest phi [rad] of a free half-cycle that leaves the ground with dphi/dtau = speed.
+    """Return the largest phi [rad] of a half-cycle on still ground that starts at phi = 0 with dphi/dtau = `speed`.
 
     Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is expanded so
     that small motions stay accurate.

@@ -1,4 +1,4 @@
-"""Events inside a step of the march over a record: impact, new peak, overturning, end of a series of hops, uplift."""
+"""Events in a time step of the response to a record: impact, new peak, overturning, end of small hops, uplift."""
 
 import math
 
@@ -12,13 +12,12 @@ from rocking.response import IMPACT_CUTOFF
 LINEAR, NONLINEAR = 0, 1
 # States of a body after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
-#: A series of hops (chatter) is cut short only if its hops are below this share of the peak so far.
+#: Hops (motions between slow impacts) are replaced by rest only if they are below this share of the largest phi.
 CHATTER_SHARE = 1e-3
-#: After this number of impacts in one sample (restitution close to one), hops need only be below the peak itself, and
-#: the chatter may be cut short beyond its sample even with a history, which then shows rest in place of these hops.
+#: After this number of impacts in one sample (restitution close to one), hops need only be below the largest phi, and
+#: hops in later samples, too, are replaced by rest, even in a history.
 MANY_IMPACTS = 1000
-#: Largest number of consecutive impacts slower than the cut-off; a lane with more is UNRESOLVED. It limits the work for
-#: C = 1, for which a chatter never comes to rest.
+#: Largest number of consecutive impacts slower than the cut-off; a lane with more, such as with C = 1, is UNRESOLVED.
 SLOW_IMPACTS = 1_000_000
 #: Smallest step to which the error control of the series may reduce a step, as a share of the longest step.
 SHORTEST = 1.0 / 4096.0
@@ -26,7 +25,7 @@ SHORTEST = 1.0 / 4096.0
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Return the time until abs(ground) exceeds the threshold (both linear in tau); -1 if later than `remaining`."""
+    """Return the time tau until abs(ground) exceeds the threshold (both linear); -1 if not within `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining
@@ -42,11 +41,11 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Return whether the hops after an impact end before the ground can lift the block again.
 
-    Speeds and rotations are divided by the restoring acceleration of the resting block; A = `demand` is
-    abs(a_g)/threshold at the impact, and `largest` and m = `slope` are upper bounds of A and its slope within the
-    `window` of tau. Until half the margin 1 - A is used up, or the window ends, the restoring acceleration stays above
-    d = (1 - A) - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one less than q = C (1 + m T/(2 (1 -
-    A))) times the one before, all together less than T/(1 - q), and no impact is faster than w q/C.
+    Speeds (w = `speed` after the impact) and rotations are divided by the restoring acceleration of the resting block.
+    abs(a_g)/threshold is `demand` at the impact; A = `largest` and m = `slope` are upper bounds of it and of its slope
+    within the `window` of tau, which is shortened if A exceeds (1 + demand)/2. In the window the restoring acceleration
+    stays above d = (1 - A) - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one less than q = C (1 + m
+    T/(2 (1 - A))) times the one before, all together less than T/(1 - q), and no impact is faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -66,7 +65,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 @njit(_nrt=False)
 def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
-    """Apply :func:`chatter_ends` to body j in its sample and, if `far`, to the end of the next block of samples.
+    """Return whether the hops of body j end before the next sample or, if `far`, within the next group of samples.
 
     `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
     """
@@ -88,7 +87,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Return whether body j comes to rest after a slow impact, by a bound on its further hops."""
+    """Return whether body j comes to rest after a slow impact: its hops end before the ground can lift it again."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -107,7 +106,7 @@ def chatter_is_over(f, j, record, equation, far):
 
 @njit(_nrt=False)
 def impacts_above_cutoff(speed, restitution):
-    """Return the number of impacts of a free decay from `speed` that are faster than the cut-off; -1 if endless."""
+    """Return the number of impacts of a free decay that are faster than the cut-off; -1 if they never end."""
     if not speed >= IMPACT_CUTOFF:
         return 0
     if restitution >= 1.0:
@@ -119,7 +118,7 @@ def impacts_above_cutoff(speed, restitution):
 
 @njit(_nrt=False)
 def enter_sample(f, j, record):
-    """Load the ground motion of body j's sample; return False if the vertical acceleration cancels gravity."""
+    """Write the ground motion at the sample of body j; return False if the vertical acceleration cancels gravity."""
     k = int(f[row.SAMPLE + j])
     acceleration, left = record.acceleration, record.extremes[LEFT]
     start = acceleration[k] * f[row.FACTOR + j]
@@ -145,7 +144,7 @@ def begin_step(f, j):
 
 @njit(_nrt=False)
 def wake(f, i, j, record):
-    """Move resting body j to its uplift (MOVING), loss of contact (FLYING) or the end of the record (RESTING)."""
+    """Advance resting body j; return MOVING at uplift, FLYING at loss of contact, RESTING at the end of the record."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     last = record.acceleration.size - 1
     for _ in range(last + 1):
@@ -167,7 +166,7 @@ def wake(f, i, j, record):
         ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
-        # It lifts before that sample, or in this one if rounding has put the crossing at its end.
+        # The body lifts before sample `ahead`, or at `sample` + 1 if rounding has moved the uplift there.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
             return RESTING
@@ -189,7 +188,7 @@ def must_overturn(f, j, record):
 
 @njit(_nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Complete the marked step of body j up to its first event (impact, overturning, halved step); set EVENT."""
+    """Complete a step of body j marked LOOK_CLOSER up to the first impact or overturning, or halve it; set EVENT."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)
@@ -202,7 +201,7 @@ def resolve_step(f, j, c, record, equation):
     for k in range(2, ORDER + 1):
         c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
     if phi == 0.0 and speed == 0.0:
-        c[2] = max(c[2], 0.0)  # zero at the threshold: rounding must not push the block into the ground
+        c[2] = max(c[2], 0.0)  # zero at uplift; rounding could make it negative
     impact, largest = first_impact(c, h, f[row.PEAK + j])
     if equation == NONLINEAR and largest >= f[row.TOP + j]:
         wait = h

@@ -1,7 +1,7 @@
-"""Compiled kernel of the response to a record: it computes many lanes together in slots, each at its own sample.
+"""Compiled kernel of the response to a record: it computes many lanes (one body under one scale factor) together.
 
-One turn of the loop takes a step in every slot and then resolves the marked steps. A slot whose lane has ended takes
-the next lane; a lane at rest skips to its next uplift, so that every step is a step of a moving block.
+Each lane is in a slot (slots.py), at its own sample. One pass of the loop takes a step in every slot, then treats the
+events. When a lane has ended, the next one takes its slot; a body at rest advances to its next uplift at once.
 """
 
 import math
@@ -23,7 +23,7 @@ STRICTLY = 1e-14
 
 
 class MarchLanes(NamedTuple):
-    """The (q m,) lanes of q factors on the record and m blocks: lane l is block l % m under the factor l // m."""
+    """The q m lanes of q factors on the record and m blocks: lane l is block l % m under the factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each block [-]
@@ -32,22 +32,22 @@ class MarchLanes(NamedTuple):
     restitution: np.ndarray  #: (m,) restitution C [-]
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
     spin: np.ndarray  #: (m,) theta' at the first sample [rad/s]
-    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) for none
-    above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.march.demand.Demand`
+    levels: np.ndarray  #: (m, l) levels of the remaining build-up times gravity, descending [m/s2]; (m, 0) if unused
+    above: np.ndarray  #: (m, l) of int, last sample with a build-up above each level, see :class:`.demand.Demand`
 
 
 class Options(NamedTuple):
-    """The options of a march: its equation, and the limits of its steps."""
+    """Options of the computation of a response: the equation, and the limits of the steps."""
 
     equation: int  #: LINEAR or NONLINEAR
     longest: float  #: longest step as p dt [-]
-    last_term: float  #: largest last term of the series of a step over alpha_c [-]
+    last_term: float  #: largest last term of the series of a step, divided by alpha_c [-]
     settled: float  #: see :class:`rocking.march.demand.Demand`
 
 
 @njit(_nrt=False)
 def build_up_left(sample, factor, levels, last):
-    """Return an upper bound of the build-up after a sample (:mod:`rocking.march.demand`); inf if unknown."""
+    """Return an upper bound of the build-up of speed (demand.py) after a sample; inf if it may exceed all `levels`."""
     for k in range(levels.size - 1, -1, -1):
         if last[k] < sample:
             return levels[k] * factor
@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 @njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
-    """Return the first sample after which the ground motion cannot overturn the block; inf if there is none."""
+    """Return the sample from which the build-up of speed stays below `settled`; inf if all `levels` are above it."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0
@@ -65,7 +65,7 @@ def first_safe_sample(factor, levels, last, settled):
 
 @njit(_nrt=False)
 def take_corner(f, j, alpha, p, restitution, dt, options):
-    """Write the properties of the corner that body j turns about."""
+    """Write into slot j the properties of the corner about which its body turns."""
     length = p * dt
     f[row.ALPHA + j] = alpha
     f[row.RESTITUTION + j] = restitution
@@ -78,7 +78,7 @@ def take_corner(f, j, alpha, p, restitution, dt, options):
 
 @njit(_nrt=False)
 def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
-    """Write the initial state of a lane into slot j; return whether the body is at rest."""
+    """Write the initial state of a body into slot j; return whether the body is at rest."""
     resting = rotation == 0.0 and spin == 0.0
     i[row.LANE + j] = lane
     f[row.FACTOR + j] = factor
@@ -100,7 +100,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
 
 @njit(_nrt=False)
 def first_status(f, j, equation, strongest):
-    """Return the state of moving body j at the first sample; `strongest` is an upper bound of abs(a_g)/g."""
+    """Return MOVING or OVERTURNED for body j in motion at the first sample; `strongest` is the largest abs(a_g)/g."""
     if equation == event.LINEAR:
         over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
     else:
@@ -111,7 +111,7 @@ def first_status(f, j, equation, strongest):
 # begin_lane, end_lane and decide have one caller each and are inlined: a call would copy their NamedTuples.
 @njit(forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Start a lane in slot j; return its state: MOVING, or a final state if it ends at the first sample."""
+    """Start the computation of a lane in slot j; return MOVING, or its final state if it ends at the first sample."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
     alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]
@@ -120,7 +120,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     take_corner(f, j, alpha, lanes.p[block], lanes.restitution[block], record.dt, options)
     resting = take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if lanes.levels.size > 0:
-        # Beyond this angle the ground cannot stop a block that moves outward.
+        # Beyond this angle the ground motion cannot stop a block that moves outward.
         f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
         f[row.CALM_FROM + j] = first_safe_sample(factor, lanes.levels[block], lanes.above[block], options.settled)
     if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
@@ -140,7 +140,7 @@ def empty_slot(f, i, j):
 
 @njit(forceinline=True, _nrt=False)
 def end_lane(f, i, j, status, record, equation):
-    """Return the results of the ended lane in slot j, in the order of :class:`rocking.response.LaneResults`."""
+    """Return the results of the computation in slot j, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == event.OVERTURNED:
@@ -171,7 +171,7 @@ def end_lane(f, i, j, status, record, equation):
 
 @njit(forceinline=True, _nrt=False)
 def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
-    """Write the results of one lane into the arrays `results`."""
+    """Write the results for one body and factor into the arrays `results`."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
     results.outcome[lane], results.reason[lane] = outcome, reason
     results.overturning_half_cycle[lane], results.impacts[lane] = half_cycle, impacts
@@ -205,7 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """Compute lanes first to last - 1; write results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
+    """Compute lanes (a body under a factor) first to last - 1; write results, `active` samples and the `history`."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

@@ -13,7 +13,7 @@ ORDER = 10
 #: Orders of derivative, as numpy integers: with Python integers the functions below would be compiled for each value.
 ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
 MAX_ITERATIONS = 100
-#: A Newton step smaller than this share of the distance is the last one: the error after it is the square of this.
+#: A Newton step smaller than this share of tau is the last one: the error after it is the square of this.
 CONVERGED = 1e-9
 
 
@@ -46,7 +46,7 @@ def acceleration(c, tau):
 
 @njit(_nrt=False)
 def with_slope(c, order, tau):
-    """Return the derivative of phi at tau of an order from 0 to 2, and the next derivative."""
+    """Return the derivative of phi of order 0, 1 or 2 at tau, and the derivative of the next order."""
     total = 0.0
     slope = 0.0
     for k in range(ORDER, order - 1, -1):
@@ -62,9 +62,9 @@ def with_slope(c, order, tau):
 
 @njit(_nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
-    """Return tau in [left, right] at which the derivative of this order equals `shift` (bracketed Newton steps).
+    """Return tau in [left, right] at which the derivative of this order equals `shift`, by bracketed Newton steps.
 
-    The tolerance is relative to the distance from the start of the step, so that even a hop of 1e-12 is accurate.
+    The tolerance is relative to tau, so that the result is accurate even for tau = 1e-12.
     """
     rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
@@ -92,13 +92,13 @@ def bracketed_root(c, order, shift, left, right, guess):
 @njit(_nrt=False)
 def falling_root(c, left, right):
     """Return the root of phi in [left, right], in which phi falls from a positive value to zero or below."""
-    # To first order a hop falls as long as it rises.
+    # First guess: a motion that starts at phi = 0 falls as long as it rises.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(_nrt=False)
 def hop_root(c, h):
-    """Return the end of a hop that starts at phi = 0, with phi'' < 0 in [0, h] and phi(h) <= 0."""
+    """Return tau of the impact of a motion that starts at phi = 0, with phi'' < 0 in [0, h] and phi(h) <= 0."""
     left = 0.0
     right = h
     tau = min(-c[1] / c[2], h)
@@ -126,7 +126,7 @@ def hop_root(c, h):
 
 @njit(_nrt=False)
 def first_impact(c, h, peak):
-    """Return tau of the first impact (phi = 0) in (0, h] or -1, and the largest phi before it (exact above `peak`)."""
+    """Return tau of the first impact (phi = 0) in (0, h] or -1, and the largest phi before, exact if above `peak`."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)

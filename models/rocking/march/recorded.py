@@ -1,7 +1,8 @@
 """Linear or nonlinear response of blocks to a record times scale factors, and the friction that the motion requires.
 
-.. note:: theta > 0 rocks about the right-hand corner. The centre of mass is at x = -s R sin(alpha - abs(theta)), z = R
-   cos(alpha - abs(theta)) from its corner, so mu = abs(a_g + x'')/(g + a_v + z'') is required to prevent sliding.
+.. note:: Rotations theta > 0 are about the right-hand corner. The centre of mass is at x = -s R sin(alpha -
+   abs(theta)), z = R cos(alpha - abs(theta)) from the corner of rotation; the required friction coefficient is
+   abs(a_g + x'')/(g + a_v + z'').
 """
 
 from typing import Any, Literal, NamedTuple
@@ -23,7 +24,7 @@ STRONGEST = 1e7
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
 #: Largest last term of the Taylor series of a step, divided by alpha_c [-]; a step that exceeds it is halved.
 LAST_TERM = 1e-14
-#: The smallest value allowed for that limit: below it rounding errors govern.
+#: Smallest value accepted for that limit [-]: below it rounding errors govern.
 SMALLEST_LAST_TERM = 1e-17
 #: Longest sample, as p dt [-], and fastest start, as theta'/p [rad], that are accepted.
 LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
@@ -53,7 +54,7 @@ def recorded_response(
     Parameters
     ----------
     block : Block
-        One block or (m,) of them.
+        One block, or an array of m blocks.
     acceleration, dt : (n,) array_like, float
         Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples, zero after the last one; its sampling
         interval [s].
@@ -74,10 +75,10 @@ def recorded_response(
         Additional factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
-        start at rest is needed. A computation then ends as soon as its outcome is certain, from a bound if the block
-        overturns and from a measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The
-        overturning time is the time at which the block passes the angle of no return. Only for the nonlinear equation
-        without vertical acceleration and history.
+        start at rest is needed. The computation of a block then ends as soon as its outcome is certain, from a bound if
+        it overturns and from a measured margin if it rocks (docs/decisions/006), with the largest rotation so far and
+        -1 impacts. The overturning time is the time at which the block passes the angle of no return. Only for the
+        nonlinear equation without vertical acceleration and without history.
     step : float
         Longest step as p dt [-], at most 0.3; a sample with a larger p dt is divided.
     last_term : float
@@ -129,7 +130,7 @@ def recorded_response(
         raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
     if vertical is not None and equation == "linear":
         raise ValueError(
-            "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
+            "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or omit vertical"
         )
     up = read_only(np.empty(0)) if vertical is None else record_samples("vertical", vertical)
     if vertical is not None and up.size != record.size:
@@ -194,7 +195,7 @@ def recorded_response(
     if verdict is not None and not np.all(free):
         raise ValueError("verdict: expected free-standing symmetric blocks")
     if gain == "tangent" and not np.all(block.symmetric):
-        raise ValueError("gain: expected 'linear' for bodies with two unlike corners, got 'tangent'")
+        raise ValueError("gain: expected 'linear' for bodies with two different corners, got 'tangent'")
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
     levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
     if verdict is not None:
@@ -337,8 +338,8 @@ def sliding_demand(
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
     """Return the horizontal divided by the vertical impulse of an impact that ends a rotation about the right corner.
 
-    h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
-    requires. The impact lasts an instant, so this number is for information only. `restitution` replaces the body's C.
+    h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners, is the smallest friction coefficient
+    without sliding. As an impact lasts an instant, it is for information only. `restitution` replaces C of the body.
 
     Examples
     --------

@@ -19,14 +19,14 @@ from rocking.march import slots as row
 # States of an element: a tie is slack, acts as a spring, yields, or is broken; a load acts as a spring, or slides
 # towards theta > 0 or theta < 0.
 SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
-#: Longest step of a spring, as the phase of its oscillation [rad].
+#: Longest step of a body held by springs, as the phase of its oscillation [rad].
 LONGEST_PHASE = 0.3
 #: Distance from the end of a range within which phi counts as being at that end, divided by the size of the range [-].
 TOUCHING = 1e-13
 
 
 class RestraintState(NamedTuple):
-    """The restraints of the (m,) bodies of a march, and the state of their elements in each lane."""
+    """The restraints of m bodies, and the state of each restraint in each lane (a body under a scale factor)."""
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 means no element
     constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts: factors of cos(phi), sin(phi) by corner [N m]
@@ -36,19 +36,19 @@ class RestraintState(NamedTuple):
     angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
     peak: np.ndarray  #: (lanes, 2) largest phi about each corner [rad], written at the end of a lane
     mode: np.ndarray  #: (lanes, e) of int, state of each element
-    set: np.ndarray  #: (lanes, e) displacement without force: for a tie minus its gap, for a load towards
-    # theta > 0 [m]
+    set: np.ndarray  #: (lanes, e) displacement at which the force is zero: for a tie minus its gap, for a load
+    # towards theta > 0 [m]
 
 
 @njit(_nrt=False)
 def sides(f, j):
-    """Return the corner of body j, 0 for theta > 0 and 1 for theta < 0, and the sign of theta."""
+    """Return the index of the corner about which body j turns (0 for theta > 0, else 1), and the sign of theta."""
     return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
 
 
 @njit(_nrt=False)
 def rotation_at(displacement, point):
-    """Return the phi at which a point has moved outward by `displacement`; inf if it never does."""
+    """Return the phi at which a point (RestraintState.points) is displaced outward by `displacement`; inf if never."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]
@@ -66,7 +66,7 @@ def outward_displacement(phi, height, distance):
 
 @njit(_nrt=False)
 def set_restraint(f, j, block, lane, restraints):
-    """Set the moment factors, the range of phi and the longest step of body j from its restraints."""
+    """Write the moment of the restraints of body j (rows SINE to COSINE_2), its range of phi, and the longest step."""
     place, side = sides(f, j)
     one, two = restraints.constant[block, place, 0], restraints.constant[block, place, 1]
     sine_2 = cosine_2 = stiff = 0.0
@@ -135,7 +135,7 @@ def set_restraint(f, j, block, lane, restraints):
 
 @njit(_nrt=False)
 def keep_peaks(f, j, lane, restraints, falls):
-    """Keep the largest rotations of body j about both corners; inf about its corner if it falls."""
+    """Update the largest rotations of body j about both corners; inf about the current one if the body `falls`."""
     place, _ = sides(f, j)
     peaks = restraints.peak[lane]
     peaks[place] = np.inf if falls else max(peaks[place], f[row.PEAK + j])
@@ -144,7 +144,7 @@ def keep_peaks(f, j, lane, restraints, falls):
 
 @njit(_nrt=False)
 def begin_restraint(f, j, block, lane, restraints):
-    """Set the states of the restraints of body j at its first rotation and speed."""
+    """Set the states of the restraints of body j at its initial rotation and speed."""
     place, side = sides(f, j)
     phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
     for e in range(restraints.elements.shape[1]):
@@ -177,7 +177,7 @@ def restraint_after_impact(f, j, block, lane, restraints):
         if part[KIND] == FRICTION:
             outward = SLIDES_UP if side > 0.0 else SLIDES_DOWN
             if restraints.mode[lane, e] != SPRING and restraints.mode[lane, e] != outward:
-                make_spring(part, restraints, lane, e, 0.0, side)  # rebounded from the wall while the load slid
+                make_spring(part, restraints, lane, e, 0.0, side)  # the body rebounded from the wall while it slid
         elif restraints.mode[lane, e] != BROKEN:
             free = part[SIDE] != side or part[GAP] + restraints.set[lane, e] > 0.0
             restraints.mode[lane, e] = SLACK if free else SPRING
@@ -197,7 +197,7 @@ def make_spring(part, restraints, lane, e, outward, side):
 
 @njit(_nrt=False)
 def change_elements(f, j, block, lane, restraints, direction):
-    """Change restraints whose range ends at phi; `direction` is 1 outward, -1 inward and 0 for a reversal."""
+    """Change states of restraints at the upper (`direction` 1) or lower end (-1) of a range, or at a reversal (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
     for e in range(restraints.elements.shape[1]):
@@ -236,7 +236,7 @@ def change_elements(f, j, block, lane, restraints, direction):
 
 @njit(_nrt=False)
 def rest_levels(f, j, block, lane, restraints, at_rest):
-    """Set the extra restoring moment of both corners of body j at rest; return the part due to sliding loads."""
+    """Set the increase EXTRA of both uplift thresholds by restraints; return how much sliding loads may reduce it."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(restraints.elements.shape[1]):

@@ -15,10 +15,10 @@ from rocking.response import IMPACT_CUTOFF
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """Return the rates of -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
+    """Return the coefficients d_2 to d_10 of the series of phi' (equations.nonlinear_rates) for a restrained body.
 
-    As nonlinear_rates: with the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2
-    sin(phi): (k + 1) d_(k+2) = -[flat z + s w + cosine_2]_k.
+    -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi). With series s, z of sin(phi),
+    cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1) d_(k+2) = -[flat z + s w + cosine_2]_k.
     """
     d1 = speed
     s0, z0 = sine_and_cosine(phi)
@@ -115,22 +115,22 @@ def restrained_steps(f, width):
         store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
-#: Number of steps computed after the record; a longer motion counts as bounded.
+#: Largest number of steps computed after the record; a longer motion counts as bounded.
 MOST_STEPS = 2_000_000
 #: Number of consecutive changes of a restraint without motion after which the body is kept in balance for one step.
 MOST_STALLS = 8.0
-#: Number of turning points in the air after which a motion counts as bounded.
+#: Number of outward motions that reverse without an impact, after which a motion counts as bounded.
 MOST_TURNS = 4
 
 
 @njit(_nrt=False)
 def first_turn(c, h, slides):
-    """Return the first tau in [0, h] with phi' = 0, before which phi' has the sign `slides`; -1 if none."""
+    """Return the first tau in [0, h] at which the speed, whose sign is `slides`, becomes zero; -1 if it does not."""
     low = h
     pull, end_pull = 2.0 * c[2] * slides, acceleration(c, h) * slides
     if c[1] * slides < 0.0 or (c[1] == 0.0 and pull < 0.0):
         return 0.0
-    if pull < 0.0 < end_pull:  # the minimum of the speed lies inside
+    if pull < 0.0 < end_pull:  # the smallest speed is inside the step
         low = bracketed_root(c, PULL, 0.0, 0.0, h, -1.0)
     if velocity(c, low) * slides > 0.0:
         return -1.0
@@ -155,7 +155,7 @@ def resolve_restrained(f, j, c, block, lane, restraints):
         c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
     inward = speed < 0.0 or (speed == 0.0 and c[2] < 0.0)
     if floor == 0.0 and phi == 0.0 and speed == 0.0:
-        c[2] = max(c[2], 0.0)  # zero at the threshold: rounding must not push the block into the ground
+        c[2] = max(c[2], 0.0)  # zero at uplift; rounding could make it negative
         inward = False
     if c[0] == 0.0 and inward:
         down, largest = 0.0, 0.0
@@ -181,7 +181,7 @@ def resolve_restrained(f, j, c, block, lane, restraints):
             until, down, turn = up, -1.0, -1.0
     f[more.STALLS + j] = f[more.STALLS + j] + 1.0 if until == 0.0 and speed == 0.0 else 0.0
     if f[more.STALLS + j] > MOST_STALLS:
-        # The body is in equilibrium, to rounding, where a tie begins to act: the next ground motion decides.
+        # The body is in equilibrium, except for rounding, as a tie begins to act: it is kept there for this step.
         f[more.STALLS + j] = 0.0
         f[row.PASSED + j] += h
         f[row.EVENT + j] = NOTHING
@@ -214,7 +214,7 @@ def resolve_restrained(f, j, c, block, lane, restraints):
 
 @njit(_nrt=False)
 def finish_restrained(f, i, width, c, bodies, restraints):
-    """Complete the steps of the first `width` slots of restrained lanes; `bodies` is the number of bodies."""
+    """Complete the steps of the restrained bodies in the first `width` slots; `bodies` is the number of all bodies."""
     finish_steps(f, width)
     for j in range(width):
         lane = i[row.LANE + j]
@@ -229,10 +229,10 @@ def finish_restrained(f, i, width, c, bodies, restraints):
 
 @njit(_nrt=False)
 def motion_after(f, i, j, c, bodies, restraints, g):
-    """Compute the motion after the record in the work space `g`; return the results of corner_event.free_motion.
+    """Compute the motion after the record in the working memory `g`; return the results of corner_event.free_motion.
 
-    It ends after one peak about each corner, or after MOST_TURNS turning points in the air: restraints add no energy,
-    so later peaks are no larger. Later impacts are counted as if no tie yielded and no load slid.
+    It ends after one half-cycle about each corner, or after MOST_TURNS reversals without an impact: restraints add no
+    energy, so later rotations are no larger. Later impacts are counted as if no tie yielded and no load slid.
     """
     block, lane = i[row.LANE + j] % bodies, i[row.LANE + j]
     for k in range(more.CORNER_ROWS):
@@ -266,7 +266,7 @@ def motion_after(f, i, j, c, bodies, restraints, g):
         if speed > 0.0 and w[row.SPEED] <= 0.0 and event != IMPACT and not halved:
             turns += 1
         if event == IMPACT:
-            # A hop within one step has a turning point, too.
+            # Each impact ends a half-cycle, even if this lies within one step.
             tops += 1
             turns = 0
             last = w[row.ARRIVAL] / w[row.ALPHA]

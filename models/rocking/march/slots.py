@@ -1,7 +1,7 @@
-"""A sampled record with its extremes, and slots: the memory of the lanes that a kernel computes at the same time.
+"""A sampled record with its extremes, and slots: arrays for the lanes that a kernel computes at the same time.
 
-Slot j contains one lane; its row R is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not
-overlap. A step of all slots is one loop without branches over contiguous rows, which becomes vector instructions.
+A lane is one body under one scale factor, and body j is the body of the lane in slot j. Its value in row R is ``f[R +
+j]`` of a flat array, so that the compiler knows that rows do not overlap: it turns loops over slots into vector code.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
    rad per unit of tau, accelerations divided by gravity.
@@ -14,14 +14,14 @@ import numpy as np
 from rocking.kernel_cache import njit
 from rocking.march.polynomial import ORDER
 
-#: Samples in a block, a power of two.
+#: Number of samples in a group (BLOCK), a power of two.
 BLOCK_BITS = 5
 BLOCK = 1 << BLOCK_BITS
 # Rows of the extremes.
-LARGEST = 0  #: largest abs(a_g) among the samples of the block and the first of the next one [m/s2]
-STEEPEST = 1  #: largest step of a_g from one of its samples to the next [m/s2]
+LARGEST = 0  #: largest abs(a_g) among the samples of the group and the first sample of the next group [m/s2]
+STEEPEST = 1  #: largest change of a_g from a sample of the group to the next sample [m/s2]
 FALL = 2  #: smallest a_v among the same samples as LARGEST [m/s2]
-LEFT = 3  #: largest abs(a_g) from its first sample to the end of the record [m/s2]
+LEFT = 3  #: largest abs(a_g) from the first sample of the group to the end of the record [m/s2]
 
 
 class Accelerogram(NamedTuple):
@@ -35,7 +35,7 @@ class Accelerogram(NamedTuple):
 
 @njit()
 def extremes(acceleration, vertical):
-    """Return the rows LARGEST, STEEPEST, FALL and LEFT for each block of samples; zero after the record."""
+    """Return the rows LARGEST to LEFT for each of b groups of samples, and a last column of zeros: (4, b + 1)."""
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
     found = np.zeros((4, blocks + 1))
@@ -66,9 +66,9 @@ def largest_left(k, record):
 
 @njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """Return the first sample, k or later, at which a resting block lifts or loses contact; n if it never does.
+    """Return the first sample, k or later, at which a resting body lifts or loses contact; n if no sample does.
 
-    Only for equal corners, with uplift at abs(a_g)/g > threshold; faster than :func:`next_lift`.
+    The body has equal corners and no restraints; :func:`next_lift`, which is slower, also treats other bodies.
     """
     n = record.acceleration.size
     up = record.vertical.size > 0
@@ -87,9 +87,10 @@ def next_exceedance(k, record, factor, threshold):
 
 @njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
-    """Return the first sample, k or later, at which a resting body lifts or loses contact; n if it never does.
+    """Return the first sample, k or later, at which a resting body lifts or loses contact; n if no sample does.
 
-    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is divided by gravity [s2/m].
+    It lifts about the corner of `side` at abs(a_g)/g = (1 + a_v/g) threshold + extra, about the other corner with
+    `other` and `other_extra`; `factor` is divided by gravity [s2/m].
     """
     n = record.acceleration.size
     while k < n:
@@ -107,9 +108,9 @@ def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     return n
 
 
-#: Number of slots: four registers of the widest vector unit, so that work in one hides the latency of others.
+#: Number of slots: they fill four vector registers, so that the processor works on one while others wait.
 WIDTH = 32
-#: Number of slots in one register; fewer lanes than WIDTH use whole groups of this size.
+#: Number of slots in one register: the number of slots in use is a multiple of it.
 GROUP = 8
 
 (
@@ -117,22 +118,22 @@ GROUP = 8
     PHI,
     SPEED,
     PEAK,  # largest phi so far
-    PASSED,  # tau since the sample began
+    PASSED,  # tau since the last sample
     STEP,  # length of the step
     SIDE,  # s
-    # The ground acceleration during the step, with the sign of the side in contact.
-    GROUND,  # s a_g/g at its start
-    SLOPE,  # its slope
-    LIFT,  # 1 + a_v/g at its start
+    # The ground acceleration during the step; the horizontal one is multiplied by s.
+    GROUND,  # s a_g/g at the start of the step
+    SLOPE,  # slope of s a_g/g
+    LIFT,  # 1 + a_v/g at the start of the step
     LIFT_SLOPE,
     LIMIT,  # lower bound of the largest abs(a_g)/g after the sample
-    # The ground acceleration during the sample, without the sign of the side.
+    # The same from the last sample to the next one, without the factor s.
     SAMPLE_GROUND,
     SAMPLE_SLOPE,
     SAMPLE_LIFT,
     SAMPLE_LIFT_SLOPE,
     # The results of the step.
-    END,  # phi, phi' and phi'' at its end
+    END,  # phi, phi' and phi'' at the end of the step
     END_SPEED,
     END_PULL,
     STRONGEST,  # upper bound of abs(phi'') in the step
@@ -159,20 +160,20 @@ GROUP = 8
     THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
     TRUNCATION,  # largest last term allowed in a series
     TOP,  # phi at which the nonlinear block has overturned
-    CALM_FROM,  # first sample from which each impact checks whether the lane can be ended; inf: never
+    CALM_FROM,  # first sample from which each impact may show that the body will not overturn; inf: never
     # Positions and counts: whole numbers, in one array because a loop over one array vectorises.
     SAMPLE,
     HITS,  # impacts in this sample
     IMPACTS,  # impacts faster than the cut-off
-    ACTIVE,  # samples in which it moved
+    ACTIVE,  # samples in which the body moved
     ENTERED,  # 1 if the step ended a sample
     ATTENTION,  # 1 if a decision is needed: an impact that may be the last, the end of the record, overturning
 ) = range(0, 48 * WIDTH, WIDTH)
 FLOAT_ROWS = 48
 
 (
-    LANE,  # -1: empty
-    MOVED,  # 1 once it has lifted
+    LANE,  # index of the lane; -1: empty slot
+    MOVED,  # 1 once the body has lifted
     ENDED,  # the sample in which the block last came to rest
     FLIES,  # 1 if the vertical acceleration cancels gravity
     SLOW,  # impacts slower than the cut-off since the last rest
@@ -181,7 +182,7 @@ INT_ROWS = 5
 
 
 class Slots(NamedTuple):
-    """The memory of all slots of one march, and the polynomial of the step being examined."""
+    """The arrays of all slots, and the Taylor polynomial of the step that is being examined."""
 
     f: np.ndarray  #: (FLOAT_ROWS * WIDTH,)
     i: np.ndarray  #: (INT_ROWS * WIDTH,) of int
@@ -189,7 +190,7 @@ class Slots(NamedTuple):
 
 
 def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
-    """Return empty slots; the rows ALPHA and `positive` are 0.1, to avoid floating-point errors."""
+    """Return empty slots; the rows ALPHA and `positive` are 0.1, which avoids divisions by zero in empty slots."""
     slots = Slots(np.zeros(rows * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
     slots.i[LANE : LANE + WIDTH] = -1
     for name in (ALPHA, *positive):
@@ -199,7 +200,7 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
 
 @njit(_nrt=False)
 def compact_slots(f, i, width):
-    """Move bodies from the last group of slots to empty slots before it; return the number of slots in use."""
+    """Move the lanes of the last GROUP slots to empty slots before them; return the new number of slots in use."""
     empty = 0
     for j in range(width - GROUP, width):
         if i[LANE + j] < 0:

@@ -1,6 +1,6 @@
-"""Loops without branches over the slots (slots.py), which finish a step of every body and begin the next one.
+"""Loops over the slots (slots.py) that finish a time step of every body and begin the next one, without branches.
 
-Slots that need a decision are marked LOOK_CLOSER or ATTENTION for :mod:`rocking.march.event`.
+Steps that these loops cannot finish are marked LOOK_CLOSER, and bodies that need a decision ATTENTION.
 """
 
 import math
@@ -10,16 +10,16 @@ from rocking.march import slots as row
 from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
 
-# Events in a step. From LOOK_CLOSER on the body does not advance: HALVED repeats the step with half its length, OVER
-# means that it has overturned.
+# Events in a step. The body does not advance if LOOK_CLOSER (the step must be examined by event.resolve_step), HALVED
+# (the step is repeated with half its length) or OVER (the body has overturned).
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
-#: The iteration for an impact ends after a step below this share of the distance: it converges with third order.
+#: An impact time is accepted if the last correction is below this share of it: corrections converge with third order.
 CONVERGED = 3e-6
 
 
 @njit(inline="always")
 def value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Return phi(t) from the coefficients d_k = k c_k of its speed."""
+    """Return phi(t) = c_0 + sum of d_k t^k/k, k = 1 ... 10."""
     s = t * t
     low = d1 + t * ((1 / 2) * d2) + s * ((1 / 3) * d3 + t * ((1 / 4) * d4))
     high = ((1 / 5) * d5 + t * ((1 / 6) * d6)) + s * ((1 / 7) * d7 + t * ((1 / 8) * d8))
@@ -29,7 +29,7 @@ def value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(inline="always")
 def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Return phi'(t) from its coefficients d_k."""
+    """Return phi'(t) = sum of d_k t^(k-1), k = 1 ... 10."""
     s = t * t
     low = d1 + t * d2 + s * (d3 + t * d4)
     high = (d5 + t * d6) + s * (d7 + t * d8) + (s * s) * (d9 + t * d10)
@@ -57,7 +57,7 @@ def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5
 
 @njit(inline="always")
 def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Return the third-order correction of the root t of phi (Newton's method with a term for the curvature)."""
+    """Return the number to subtract from an approximate root t of phi: Newton's step with a term for the curvature."""
     inverse = 1.0 / speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10)
     newton = value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10) * inverse
     pull = d2 + t * (2.0 * d3 + t * (3.0 * d4))
@@ -66,12 +66,12 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def finish_steps(f, width):
-    """Write the state at the end of the step of the first `width` slots, its EVENT, and the impact speed ARRIVAL.
+    """Write the states after the steps in the first `width` slots, the EVENT of each step and the impact speed ARRIVAL.
 
     A curve differs from its chord by at most h^2/8 max abs(phi''). If phi'' < 0 in the whole step, it lies above its
     chord and below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
-    intersection of the tangents is an upper bound of its top. Most impacts are single impacts of this kind; they are
-    computed from the first terms of a hop, or from the parabola through both ends of a fall.
+    intersection of the tangents is an upper bound of phi. Most impacts are single impacts of this kind; the first guess
+    of their time is from the first terms of the series if the step starts at phi = 0, else from a parabola.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -131,7 +131,7 @@ REMNANT = 1e-9
 
 @njit(fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
-    """Begin the next step of the first `width` slots; set ATTENTION for impacts faster than `fastest` alpha_c."""
+    """Begin the next step in the first `width` slots; set ATTENTION, also for impacts faster than `fastest` alpha."""
     last = acceleration.size - 1
     for j in range(width):
         held = f[row.EVENT + j] >= LOOK_CLOSER
@@ -177,7 +177,7 @@ def advance_steps(f, width, acceleration, left, fastest):
 
 @njit(_nrt=False)
 def enter_vertical(f, j, vertical):
-    """Load the vertical acceleration of body j's sample; return False if it cancels gravity."""
+    """Write the vertical acceleration at the sample of body j; return False if it cancels gravity."""
     k = int(f[row.SAMPLE + j])
     start = 1.0 + vertical[k] * f[row.FACTOR + j]
     end = 1.0 + vertical[k + 1] * f[row.FACTOR + j]
@@ -188,7 +188,7 @@ def enter_vertical(f, j, vertical):
 
 @njit(_nrt=False)
 def advance_vertical(f, i, width, vertical):
-    """Advance the vertical acceleration as :func:`advance_steps` does; set FLIES if a block loses contact."""
+    """Write the vertical acceleration for the next steps; set FLIES for a body that loses contact with the ground."""
     for j in range(width):
         if i[row.LANE + j] < 0 or f[row.EVENT + j] >= LOOK_CLOSER:
             continue
@@ -201,7 +201,7 @@ def advance_vertical(f, i, width, vertical):
 
 @njit(_nrt=False)
 def keep_history(f, i, width, history):
-    """Write theta [rad] and theta' [rad/s] of the slots that have reached a sample into `history` (lanes, n, 2)."""
+    """Write theta [rad] and theta' [rad/s] of bodies that have reached a sample into `history` (lanes, n, 2)."""
     for j in range(width):
         if i[row.LANE + j] >= 0 and f[row.ENTERED + j] == 1.0:
             lane, sample = i[row.LANE + j], int(f[row.SAMPLE + j])

@@ -22,13 +22,13 @@ from rocking.search.factors import ScaleIntervals, exceedance_intervals
 POINTS = 64
 #: The largest number below one: the peak measure of a block that passes alpha_c and returns.
 BELOW = float(np.nextafter(1.0, 0.0))
-#: The search starts this share below the factor that lifts the block, so that rounding cannot raise it above.
+#: The search starts this share below the factor that lifts the block, to allow for rounding.
 ROUNDING = 1e-12
 #: Ratio of neighbouring factors in a search.
 STEP = 1.005
 #: Start of a search without a known lower bound, as main impulse divided by I_1c.
 SMALLEST_START = 1e-3
-#: Bands are joined if the gap between them is narrower than this share of the factor, as in a search.
+#: Bands of factors are joined if the gap between them is narrower than this share of the factor, as in a search.
 EDGE_TOLERANCE = 1e-6
 
 
@@ -73,8 +73,8 @@ def critical_scale(
     Notes
     -----
     The scan of a block starts at the factor that lifts it: g alpha/max|a_g| (linear), or the smallest f with
-    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. An UNRESOLVED factor
-    (free flight, endless impacts) counts as exceeding, so that only computed factors count as safe.
+    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A factor with an
+    UNRESOLVED outcome (free flight, endless impacts) counts as exceeding the limit.
 
     Examples
     --------
@@ -124,9 +124,9 @@ def impulsive_critical_scale(
 
     Notes
     -----
-    The scan starts at a lower bound, g alpha_c/(p sum |I_i|). Let u be the speed at which the motion left, or would
-    have left, the ground. An impulse dx' at the rotation 0 <= x <= 2 raises it to at most u + |dx'|, as x'^2 = u^2 - 1
-    + (1 - x)^2 <= u^2 there, and an impact lowers it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
+    The scan starts at a lower bound, g alpha_c/(p sum |I_i|). Let u be the speed with which the motion started from the
+    ground, or would have done so. An impulse dx' at the rotation 0 <= x <= 2 raises u to at most u + |dx'|, as x'^2 =
+    u^2 - 1 + (1 - x)^2 <= u^2 there, and an impact lowers it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
 
     Examples
     --------
@@ -152,7 +152,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return scale factors f (m,) at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
+    """Return scale factors f at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) without restraints."""
     found = np.full(np.shape(block.p), np.inf)
     more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
@@ -178,7 +178,7 @@ def _search(
 
     def exceeds(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
         nonlocal unresolved
-        # Lanes of one block are adjacent: the impulsive kernel shares a table among lanes of one p.
+        # The factors of one block are adjacent, because the impulsive kernel uses one table for neighbours of equal p.
         response = respond(blocks.take(np.repeat(lanes, factors.shape[0])), factors.T.reshape(-1))
         reach = np.asarray(response.peak_rotation_ratio)  # NaN for UNRESOLVED lanes, which count as exceeding
         if level is None:
@@ -257,7 +257,7 @@ def sequence_critical_scale(
 
     Notes
     -----
-    Closed form (spacing "continuous", or no secondary impulses). u_(i+1) = C (u_i - sigma u_1) + u_1 (F4) is linear in
+    Closed form (spacing "continuous", or no secondary impulses). u_(i+1) = C (u_i - sigma u_1) + u_1 is linear in
     u_1: v_i = u_i - sigma u_1/2 = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C). Half-cycle N overturns iff
     v_N >= 1 > v_(N-1), a band of factors from I_Nc/I to below I_(N-1)c/I with
 
@@ -269,7 +269,7 @@ def sequence_critical_scale(
     with N, so the smallest factor is that of the largest N that is reached.
 
     Otherwise a scan with refined edges starts at the critical factor of the resonance sequence, as secondary impulses
-    only reduce the speed (F3: u_r <= u). An UNRESOLVED factor counts as overturning.
+    only reduce the speed (u_r <= u). A factor with an UNRESOLVED outcome counts as overturning.
 
     Examples
     --------
@@ -313,7 +313,7 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
 
 
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
-    """Return the overturning bands of all half-cycles that are reached; bands that touch are joined."""
+    """Return the intervals of factors at which each block overturns, in closed form; adjacent intervals are joined."""
     count = block.shape[0]
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)

@@ -12,7 +12,7 @@ from rocking.lanes import OF_LANES, LaneValues
 from rocking.pictures import short_repr
 
 #: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the
-#: response may come this close to the limit within the step (docs/decisions/008).
+#: response in it, divided by the limit, is estimated to reach the k-th number (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
 #: Smallest number of steps of a block that are halved at once, from the lowest on; half of the steps if that is more.
 TOGETHER = 4
@@ -33,8 +33,8 @@ class ScaleIntervals(LaneValues):
     Attributes
     ----------
     safety_factor, safe_up_to : (m,) ndarray
-        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which no exceedance was found:
-        the lower end of the last bracket, or the end of the search.
+        Smallest factor found to exceed the limit [-], inf if no factor does; largest factor up to which no exceedance
+        was found: the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Index of the block of each interval, ascending; the intervals of a block ascend, too.
     lower, upper : (k,) ndarray
@@ -71,7 +71,7 @@ class ScaleIntervals(LaneValues):
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
     def among(self, known: np.ndarray) -> Self:
-        """Return the result for all (m,) blocks; those that are not marked in `known` have no intervals."""
+        """Return the result of all (m,) blocks from that of the `known` blocks; the others have no intervals."""
         return self.join([self], [np.flatnonzero(known)], known.size)
 
     def take(self, places: np.ndarray) -> Self:
@@ -89,7 +89,7 @@ class ScaleIntervals(LaneValues):
         return whole.changed(**rows)._of_lanes(lane)
 
     def _of_lanes(self, lane: np.ndarray) -> Self:
-        """Return a copy whose intervals belong to the blocks `lane` (k,), sorted; intervals with -1 are dropped."""
+        """Return a copy whose k intervals belong to the blocks `lane`, sorted; intervals of block -1 are dropped."""
         order = np.argsort(lane, kind="stable")[np.count_nonzero(lane < 0) :]
         return self.changed(lane=lane[order], **{name: getattr(self, name)[order] for name in OF_INTERVALS})
 
@@ -147,7 +147,7 @@ def exceedance_intervals(
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
     if not np.all(start > 0.0):
-        raise ValueError(f"start: expected positive factors, got a smallest of {np.min(start)}")
+        raise ValueError(f"start: expected positive factors, got {np.min(start)}")
     if not np.all((given >= 2.0) & (given <= POINTS_MAX) & (given == np.floor(given))):
         raise ValueError(f"points: expected whole numbers from 2 to {POINTS_MAX}, got {points!r}")
     counts = given.astype(np.int64)
@@ -181,7 +181,7 @@ def exceedance_intervals(
 
 
 def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Return the results of `exceeds` as numbers: the response over the limit; NaN (no result) becomes inf."""
+    """Return the results of `exceeds` as numbers, the response divided by the limit; NaN (no result) becomes inf."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 
@@ -189,7 +189,7 @@ def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarr
 def _scan(
     exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return block index, scale factor and peak measure of every trial of the scan, sorted by block and factor."""
+    """Return block, scale factor and whether the limit is exceeded, for each trial, sorted by block and factor."""
     points = int(np.max(counts[lanes]))
     # Blocks with fewer factors than others repeat the last factor.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
@@ -206,7 +206,7 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Halve the scan steps that may hide an earlier exceedance, judged from second differences of `reach`."""
+    """Halve the steps below the first exceedance in which, by its second differences, `reach` may also exceed 1."""
     halvings = np.zeros(lane.size, dtype=np.int64)  # for the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:
@@ -237,7 +237,7 @@ def _denser(
 def _bisect(
     exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray, tolerance: float
 ) -> None:
-    """Bisect the brackets (below, above) of all edges of all blocks at the same time, in place."""
+    """Bisect the brackets (below, above) of the ends of all intervals of all blocks at the same time, in place."""
     while True:
         wide = np.flatnonzero(np.isfinite(above) & (above - below > tolerance * above))
         if wide.size == 0:

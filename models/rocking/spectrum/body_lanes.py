@@ -35,7 +35,7 @@ BUILD_UP_AT_CAPACITY = 2.5
 FIRST, FIRST_HALF = 64, 0.8
 #: Number of lanes of each extension of the first stage, and its length in ln f.
 MORE, MORE_LENGTH = 32, 0.8
-#: The first stage is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
+#: The first stage is complete if all lanes within this length in ln f survive at its bottom and overturn at its top.
 QUIET = 0.2
 #: Number of lanes of the second stage, and their smallest density divided by the density at P = 0.5.
 SECOND, FLOOR = 768, 0.2
@@ -45,7 +45,7 @@ NEIGHBOURS, POINTS = 0.12, 201
 
 @dataclass(frozen=True, eq=False)
 class LanePart:
-    """Samples (b, n) of b bodies, and their density per unit of ln f on a grid (b, g)."""
+    """Samples (b, n) of b bodies, computed together, and their number per unit of ln f on a grid (b, g) of ln f."""
 
     body: np.ndarray
     grid: np.ndarray
@@ -63,19 +63,19 @@ class BodyLanes:
     weight: np.ndarray  #: (n,) width in ln f that each lane represents [-]: 1 over the density of lanes at its factor
     over: np.ndarray  #: (n,) of bool, True if the lane overturns or is UNRESOLVED
     unresolved: np.ndarray  #: (n,) of bool, True if it is UNRESOLVED (free flight)
-    bottom: float  #: range of ln f of the lanes
+    bottom: float  #: ends of the range of ln f of the lanes
     top: float
     open: bool  #: True if lanes survive the largest factor, so that outcomes above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Return sample weights (n, k) at the levels, and probabilities (k,) of a shift below and above all samples."""
+        """Return weights (n, k) of n samples at k levels, and probabilities of a shift below and above all samples."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
 
 @dataclass(eq=False)
 class LaneMarch:
-    """The samples of (m,) bodies under a record, computed in several parts."""
+    """Random samples of (m,) bodies under a record, whose outcomes are computed in several parts."""
 
     block: Block
     acceleration: np.ndarray
@@ -87,12 +87,12 @@ class LaneMarch:
     parts: list[LanePart] = field(default_factory=list)
 
     def evenly(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
-        """Compute `number` lanes for each body, evenly spaced in ln f from `bottom` to `top` (b,)."""
+        """Compute `number` samples of each of b bodies, evenly distributed in ln f from `bottom` to `top` (b,)."""
         self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
     def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
-        """Compute `number` lanes for each body, with the density `wanted` (b, g) on a grid of ln f."""
-        from scipy.stats import qmc  # import takes half a second, and most bodies are covered by a spectrum
+        """Compute `number` samples of each of b bodies, with the relative density `wanted` (b, g) on a grid of ln f."""
+        from scipy.stats import qmc  # its import takes half a second and is seldom needed
 
         points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
         place = np.concatenate([points.random(SET) for _ in range(number // SET)])
@@ -113,7 +113,7 @@ class LaneMarch:
         self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
 
     def lanes(self, body: int, standing: bool) -> BodyLanes:
-        """Return all samples of a body so far; `standing` is True if some survive the largest scale factor."""
+        """Return all samples of a body; `standing` is True if some of them survive the largest scale factor."""
         own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
         log_factor, over, unresolved = (
             np.concatenate([getattr(part, name)[row] for part, row in own])
@@ -127,7 +127,7 @@ class LaneMarch:
         return BodyLanes(log_factor, 1.0 / density, over, unresolved, bottom, top, standing)
 
     def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
-        """Return the outcome of each lane, a body under its scale factor."""
+        """Return the outcomes of bodies `lanes` under the record times `factor`, one for each body."""
         early = np.zeros(factor.size, dtype=bool)
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
@@ -169,7 +169,7 @@ def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None
 
 
 def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Extend the first stage beyond the capacities; return (m,) whether samples survive the largest factor."""
+    """Add samples until the lowest survive and the highest overturn; return whether any survive the largest factor."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0
@@ -194,7 +194,7 @@ def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) ->
 
 
 def _second_stage_density(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
-    """Return a grid (g,) of ln f, and the relative density of the second stage on it."""
+    """Return a grid (g,) of ln f, and the relative density of the samples of the second stage on it."""
     grid = np.linspace(lanes.bottom, lanes.top, POINTS)
     near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
     share = np.sum(near * lanes.over, axis=1) / np.sum(near, axis=1)

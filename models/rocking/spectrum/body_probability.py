@@ -1,8 +1,9 @@
 """Probability of overturning P(f) of any body under a record times f, from nonlinear responses of this body.
 
-.. note:: The 90 % intervals are computed by resampling the lanes with replacement as if they were independent (Sobol
-   points scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome,
-   resampling gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
+.. note:: The 90 % intervals are computed by resampling the lanes (random samples of a body under one factor) with
+   replacement as if they were independent (Sobol points scatter less). If all n = (sum w)^2/sum w^2 effective lanes
+   near the factor one have the same outcome, resampling gives no spread: the end of the interval is then the binomial
+   bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -48,7 +49,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the scale factors of one body from its marches; `lanes` is None for a body that no factor lifts."""
+    """Compute the scale factors of one body from its samples `lanes` (None if the body does not lift at any factor)."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -64,21 +65,21 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
         found |= _up_to(factor_max, _interval(name, factor_at(share, level, fitted)))
     capacity = _interval("factor_mean", mean_capacity(level, probability))
     if lanes.open:
-        # P is unknown above the last level: a lower bound of the mean capacity is the area above P up to it.
+        # P is unknown above the last level: the area above P up to this level gives a lower bound of the mean of ln f.
         least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
         capacity = {**dict.fromkeys(capacity, np.inf), "factor_mean_low": _interval("least", least)["least_low"]}
     return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
 
 
 def lane_capacity(lanes: BodyLanes, shift: Uncertainty, reach: float) -> tuple[float, float]:
-    """Return exp of the mean ln capacity of one body, and its factor of 10 %, without intervals."""
+    """Return the geometric mean, and the value at P = 10 %, of the scale factor at which one body overturns."""
     logs, probability = _curve(lanes, shift, reach, np.ones((1, lanes.over.size)))
     level = np.exp(logs)
     return float(mean_capacity(level, probability)[0]), float(factor_at(0.1, level, rising(probability))[0])
 
 
 def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return ln (k,) of the levels at which P of a body is between 0 and 1, and P (r, k) of r resamples."""
+    """Return ln f (k,) at levels at which P of a body may be between 0 and 1, and P (r, k) there for r resamples."""
     first, last = _ends(lanes, reach)
     logs = LEVEL_STEP * np.arange(first, last + 1)
     bells, tails = lanes.sums(logs, shift)
@@ -86,7 +87,7 @@ def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarra
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
-    """Return the numbers k of the first and last level; P is 0 below them and 1 above, unknown if samples survive."""
+    """Return the numbers k of two levels: P is 0 below the first one, and 1 above the last one unless `lanes.open`."""
     lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
     highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
     end = lanes.top - reach if lanes.open else highest + reach
@@ -96,7 +97,7 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
 
 @cache
 def _counts(size: int) -> np.ndarray:
-    """Return how often each lane is counted: once in the first row, at random in the RESAMPLES other rows."""
+    """Return how often each sample is counted: once in the first row, at random in the RESAMPLES other rows."""
     drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
     return np.vstack([np.ones(size), drawn])
 
@@ -196,8 +197,8 @@ def overturning_probability(
     factor_max : float
         Largest factor that is searched [-].
     slender_limit : bool
-        Whether bodies of slenderness 3.5 or more without ties, loads or vertical acceleration are computed in the
-        limit of slender blocks, which gives more lanes at the same cost (docs/decisions/018); False for the nonlinear
+        Whether bodies of slenderness 3.5 or more without ties, loads or vertical acceleration are computed as slender
+        blocks (linear equation), which gives more lanes at the same cost (docs/decisions/018); False for the nonlinear
         equation throughout.
     guess : (m,) array_like, optional
         Estimate of the factor at which a body overturns [-]. A good estimate saves computing time.

@@ -34,8 +34,8 @@ from rocking.spectrum.slender_lanes import (
 POINTS, AT_ONCE = 8, 2**15
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Number of lanes of each block in the second stage, of a spectrum that many blocks share at each p, and
-#: g tan(alpha)/p of the slender blocks that are marched [m/s].
+#: Number of lanes in the second stage of a single block, and at each p of a spectrum that many blocks share;
+#: g tan(alpha)/p of the slender blocks that are computed [m/s].
 SECOND, SHARED_LANES, SPEED = 320, 960, 0.01
 
 
@@ -63,7 +63,7 @@ def half_wave_lanes(
     *,
     rotations: bool = True,
 ) -> SpectrumLanes:
-    """Compute the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
+    """Compute the responses of slender blocks (lanes) for the overturning spectrum of half-waves."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads, rotations=rotations)
 
@@ -82,14 +82,14 @@ def checked_half_waves(
         raise ValueError("start, centroid, end, impulse: expected finite numbers")
     first, middle, last, impulses = arrays
     if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
-        raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
+        raise ValueError("half-waves: expected start <= centroid <= end, in order and without overlap")
     check_strength(triangles(first, middle, last, impulses)[1])
     return first, middle, last, impulses
 
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """The lobes of E(t0), the intervals in which it keeps its sign, in order of time."""
+    """The lobes of the weighted impulse E(t0), intervals in which it keeps its sign, in chronological order."""
 
     times: np.ndarray  # (k,) time of the largest abs(E) of each lobe [s]
     sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
@@ -97,14 +97,14 @@ class Lobes:
 
 @dataclass(frozen=True, eq=False)
 class HalfWaveDemand:
-    """Demand of half-waves on (m,) blocks, proportional, except for rounding, to the scale factor on the record.
+    """Demand of half-waves on (m,) blocks; `march` and `march_10` are proportional to the scale factor on the record.
 
     Attributes
     ----------
     march, march_10 : (m,) ndarray
-        1/(scale factor of overturning) [-]: for the geometric mean of this factor, and for its value at P = 10 %.
+        1/(scale factor of overturning) [-], for the geometric mean of this factor and for its value at P = 10 %.
     main_count : (m,) ndarray of int
-        Number of lobes above half the largest one; at least 1.
+        Number of lobes of the weighted impulse E (:class:`Lobes`) above half the largest one; at least 1.
     ratio, interval : (m,) ndarray
         Root mean square of the other lobes between the first and the last main lobe, divided by the largest [-], 0 if
         there are none; median spacing of the lobes from the first to the last main one [s], NaN for only one.
@@ -142,7 +142,7 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
     corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
     share, last = np.arange(POINTS) / POINTS, 0.0
     found = [np.empty((2, 0))]
-    for first in reversed(range(0, corners.size - 1, AT_ONCE)):  # backwards, as E comes from the later ground
+    for first in reversed(range(0, corners.size - 1, AT_ONCE)):  # backwards, as E depends on the later ground motion
         times, ground = (
             np.append(values[:-1, np.newaxis] + np.outer(np.diff(values), share), values[-1])
             for values in (corners[first : first + AT_ONCE + 1], tops[first : first + AT_ONCE + 1])
@@ -152,7 +152,7 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
         places = lobe_tops(weighted[:-1])
         found.append(np.stack([times[places], weighted[places]]))
     times, sizes = np.concatenate(found[::-1], axis=1)
-    whole = lobe_tops(sizes)  # a lobe may be in several parts
+    whole = lobe_tops(sizes)  # a lobe may extend over several parts
     return Lobes(times[whole], sizes[whole])
 
 
@@ -177,8 +177,8 @@ def demand_of_half_waves(
 
     Notes
     -----
-    The march depends only on p, C and x = f p/(g tan alpha) of a block, so lengths four times and times twice as
-    large give the same. C is uniform in 0.95 to 1.05 times that of the block, at most 1.
+    The result depends only on p, C and x = f p/(g tan alpha) of a block, so lengths four times and times twice as
+    large give the same result. C is uniform in 0.95 to 1.05 times that of the block, at most 1.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def demand_of_half_waves(
 def lobe_shapes(
     start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compute the number of main lobes, the ratio of the other lobes and the spacing of half-waves for each p.
+    """Compute the number of main lobes of E, the ratio of the other lobes and the spacing of the lobes for each p.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def lobe_shapes(
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
-    """Return the number of main lobes, the rms of the lobes between them over the largest, and their median spacing."""
+    """Return the number of main lobes, the rms of the other ones divided by the largest, and the median spacing."""
     sizes = np.abs(lobes.sizes)
     main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
     if main.size < 2:
@@ -240,7 +240,7 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
 def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
-    """Return effective impulses (2, m) of the half-waves on blocks [m/s]: mean, and at a probability of 10 %."""
+    """Return effective impulses (2, m) of the half-waves on blocks [m/s]: the mean, and the value at P = 10 %."""
     # Each body is represented by a slender block of the same p and C with g tan(alpha)/p = SPEED.
     alpha = np.arctan(SPEED * np.asarray(block.p) / STANDARD_GRAVITY)
     slender = Block.from_parameters(p=block.p, alpha=alpha, restitution=block.restitution, log=False)

@@ -2,10 +2,10 @@
 
 .. note:: S(p, C) = 1/exp(E ln x_c) [m/s], with x_c the x = f p/(g tan alpha) at which a block overturns: it does if S
    exceeds g tan(alpha)/p. A sample of factor and geometry shifts ln x by Z with a known density h
-   (:class:`Uncertainty`), so P(x; p, C) is the outcome v_i of the lanes with a C in the range of the block, smoothed
-   with h:
+   (:class:`Uncertainty`), so P(x; p, C) is the outcome v_i of the lanes (sampled blocks) with a C in the range of the
+   block, smoothed with h:
 
-   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
+   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 if lane i overturns
 
    (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
 """
@@ -101,7 +101,7 @@ class OverturningFactors:
 
 
 def slender_bodies(block: Block) -> np.ndarray:
-    """Return a mask (m,) of bodies that move as slender blocks: unrestrained, symmetric or beside a wall, not stout."""
+    """Return a mask (m,) of unrestrained bodies of slenderness 3.5 or more that are symmetric or beside a wall."""
     alone = ~np.asarray(block.restrained) & (np.asarray(block.symmetric) | (np.asarray(block.side) != 0))
     return alone & (np.asarray(block.weaker.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9))
 
@@ -123,9 +123,9 @@ def covered(
 
 
 def shared_rates(p: np.ndarray, own: int, shared: int) -> np.ndarray | None:
-    """Return the frequency parameters of a spectrum shared by bodies of p (m,) [1/s]; None if own samples are fewer.
+    """Return the frequency parameters of a spectrum shared by bodies of p (m,) [1/s]; None if it saves no samples.
 
-    Each body needs `own` samples without it, and the spectrum `shared` samples at each frequency parameter.
+    Without it each body needs `own` samples; the spectrum needs `shared` samples at each frequency parameter.
     """
     above = np.clip(np.searchsorted(SHARED_RATES, p), 1, SHARED_RATES.size - 1)
     places = np.union1d(above - 1, above)
@@ -142,7 +142,7 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 def covered_range(
     restitution: ArrayLike, uncertainty: Uncertainty, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """Return a mask (m,) of nominal restitutions in whose range a spectrum has enough samples; it covers `between`.
+    """Return a mask (m,) of nominal C around which a spectrum with samples in `between` has enough samples.
 
     The uncertainty has the limits of a uniform distribution; restitutions above 1 count as 1.
     """
@@ -156,7 +156,7 @@ def covered_range(
 
 
 class OverturningSpectrum:
-    """The overturning spectrum of one record for a given uncertainty, computed from its lanes.
+    """The overturning spectrum of one record for a given uncertainty, from responses of slender blocks (lanes).
 
     Parameters
     ----------
@@ -199,13 +199,15 @@ class OverturningSpectrum:
         `restitution` (c,) are nominal C, and the uncertainty gives their ranges; `rotation` (...) is ascending, and inf
         means overturning.
         Raises ValueError for a C whose range is not covered, for rotations that are not positive and ascending, and for
-        a finite rotation if the lanes hold only verdicts.
+        a finite rotation if the lanes contain only outcomes.
         """
         states = np.asarray(rotation, dtype=float)
         if not np.all(np.diff(np.atleast_1d(states), prepend=0.0) > 0.0):
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
         if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
-            raise ValueError(f"rotation: expected inf, as the lanes were computed without rotations, got {rotation!r}")
+            raise ValueError(
+                f"rotation: expected inf, as the spectrum was computed without rotations, got {rotation!r}"
+            )
         parts = self._parts(restitution)
         least, most = (np.concatenate(ends) for ends in list(zip(*parts, strict=True))[1:])
         found = np.zeros((states.size, self.p.size, np.size(restitution), self.level.size))
@@ -215,7 +217,7 @@ class OverturningSpectrum:
         return found.reshape(*states.shape, *found.shape[1:])
 
     def spectrum(self, restitution: ArrayLike, rotation: ArrayLike = np.inf) -> np.ndarray:
-        """Return S(p, C) = 1/exp(E ln x_c) [m/s], (..., a, c), for nominal C (c,) and `rotation` (...), ascending."""
+        """Return the overturning spectrum S [m/s] (..., a, c) at each p, for nominal C (c,) and ascending rotations."""
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block) -> np.ndarray:
@@ -227,7 +229,7 @@ class OverturningSpectrum:
         return self.read(block).factors(factor_max)
 
     def overturning(self, block: Block, factor: ArrayLike) -> np.ndarray:
-        """Compute P of (m,) covered blocks under the record times factors (m, d) [-], as :meth:`read`."""
+        """Compute P of (m,) covered blocks under the record times factors (m, d) [-] (:meth:`read`)."""
         return self.read(block).overturning(factor)
 
     def read(self, block: Block) -> "SpectrumReading":
@@ -249,7 +251,7 @@ class OverturningSpectrum:
         return SpectrumReading(self._first, self.level, *own, speed, self._alike, self.interpolation)
 
     def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Return shares (r, 1) of the random C, and ranges of C (r,) of the sampled blocks that represent each share.
+        """Return one or two parts of the random C: share (r, 1), and range of C (r,) of the samples that represent it.
 
         Restitutions above 1 count as 1, which is represented by the narrowest range below 1.
         """
@@ -257,8 +259,8 @@ class OverturningSpectrum:
         lowest, highest = self.lanes.between
         if not np.all(covered_range(nominal, self.uncertainty, self.lanes.between)):
             raise ValueError(
-                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} of it, lie in "
-                f"{lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
+                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, lie "
+                f"in {lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
                 f"{restitution!r:.80}"
             )
         least, most = (share * nominal for share in self.uncertainty.restitution)
@@ -288,7 +290,7 @@ class OverturningSpectrum:
     def _at(
         self, place: int, least: np.ndarray, most: np.ndarray, rotation: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return P (h, r, k) of reaching rotations (h,) at one p, for r ranges of restitution, and its variance."""
+        """Return probabilities (h, r, k) of reaching h rotations at one p, for r ranges of C, and their variances."""
         lanes, reach = self.lanes, REACH * self.uncertainty.spread
         bottom, top, restitution = lanes.bottom[place], lanes.top[place], lanes.restitution[place]
         span = slice(*np.searchsorted(self._logs, [bottom - reach, top + reach]))
@@ -318,7 +320,7 @@ class SpectrumReading:
     Attributes
     ----------
     first, level : int, (k,) ndarray
-        x = exp(LEVEL_STEP (first + i)) [s/m].
+        Number of the first level, and the levels x = exp(LEVEL_STEP (first + i)) [s/m].
     probability, error : (m, k) ndarray
         P, and its standard error [-].
     speed : (m,) ndarray
@@ -340,7 +342,7 @@ class SpectrumReading:
     interpolation: float
 
     def factors(self, factor_max: float = np.inf) -> OverturningFactors:
-        """Return P under the record, and scale factors at given probabilities; `factor_max` is the largest one."""
+        """Return P under the record, and scale factors at given probabilities, inf above `factor_max`."""
         probability, error, speed = self.probability, self.error, self.speed
         # A higher probability means a lower factor; an interval ends at the outermost intersection of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)

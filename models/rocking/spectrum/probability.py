@@ -31,18 +31,18 @@ LEAST_SPREAD = 0.02
 LARGEST_SPREAD = 1.0
 #: Largest restitution divided by the nominal one that is accepted [-].
 LARGEST_SHARE = 2.0
-#: Largest restitution that is marched, which represents 1: a block with C = 1 never comes to rest after the record and
-#: takes twenty times as long.
+#: Largest restitution that is computed; it represents 1, because a block with C = 1 never comes to rest after the
+#: record and takes twenty times as long.
 MOST_RESTITUTION = 0.999
-#: A level at which the sum of weights is below this has no lane near it.
+#: If the sum of weights at a level is below this, no lane is near the level.
 NO_LANE = 1e-9
-#: Truncation of the shift, in scales: the density there is 1e-14 of its maximum.
+#: Truncation of the shift divided by its scale: the density there is 1e-14 of its maximum.
 FARTHEST = 8.0
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Uncertainty that a probability of overturning includes.
+    """Uncertainty of the record, the restitution and the geometry in a probability of overturning.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Uncertainty:
             raise ValueError(f"geometry: expected {expected}, got {self.geometry!r}")
 
     def restitutions(self, nominal: ArrayLike, rank: np.ndarray) -> np.ndarray:
-        """Return the quantiles of C at ranks (n,) from 0 to 1, for nominal restitutions (...): (..., n) [-]."""
+        """Return the quantiles of C (..., n) at the probabilities `rank` (n,), for `nominal` restitutions (...) [-]."""
         shares = np.quantile(self.restitution, rank)
         return np.minimum(np.asarray(nominal, dtype=float)[..., np.newaxis] * shares, MOST_RESTITUTION)
 
@@ -98,12 +98,12 @@ class Uncertainty:
         return lane_bells(given.ravel(), np.ones(given.size), np.zeros(1), self).reshape(given.shape)
 
     def below(self, shift: ArrayLike) -> np.ndarray:
-        """Return the probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
+        """Return the probability that the random shift Z of :meth:`density` is at most `shift` [-]."""
         at = np.asarray(shift, dtype=float) / math.hypot(self.factor, self.geometry)
         return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)
 
 
-#: A decrease of a probability below this is rounding.
+#: A smaller decrease of a probability is a rounding error.
 ROUNDING = 1e-12
 
 
@@ -153,7 +153,7 @@ def _pool(rows, chosen, size):
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return the factor at which a rising P (..., k) reaches `share`, linear in ln f; inf if it never does."""
+    """Return the factor at which a rising P (..., k) reaches `share`, interpolated in ln f; inf if it does not."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)
@@ -165,7 +165,7 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return exp of the mean ln capacity from its distribution (..., k); inf if P stays below 1."""
+    """Return the geometric mean of a factor with the distribution P (..., k) at levels; inf if P stays below 1."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
     # Summed in sequence, so that further levels without a change of P do not change the result.
@@ -174,7 +174,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """Return the weight w_i h(t_i - ln f) of each lane at each level (n, k), with its width w_i in ln f."""
+    """Return the density of the shift at `log_factor` - `log_level` times `weight`, (n, k) for n lanes and k levels."""
     bells = np.zeros((log_factor.size, log_level.size))
     _bells(log_factor, weight, log_level, *_skew(shift), bells)
     return bells
@@ -209,7 +209,7 @@ def lane_moments(
     log_level: np.ndarray,
     shift: Uncertainty,
 ) -> np.ndarray:
-    """Return sums of the bells of :func:`lane_bells` and of their squares, over the lanes before each of `ends`.
+    """Return sums of the results of :func:`lane_bells` and of their squares, over the lanes before each of `ends`.
 
     Parameters
     ----------
@@ -220,14 +220,14 @@ def lane_moments(
     states : int
         Number of limit states h.
     ends : (b,) ndarray of int
-        Ascending numbers of lanes.
+        Numbers of lanes, ascending.
     log_level, shift
         As in :func:`lane_bells`.
 
     Returns
     -------
     (b, 1 + h, 2, k) ndarray
-        Sums over all lanes and over those that reach each limit state; of the bells and of their squares.
+        Sums over all lanes before each end and over those that reach each limit state, of the values and squares.
     """
     sums = np.zeros((ends.size, 1 + states, 2, log_level.size))
     _add_moments(log_factor, weight, reached, ends, log_level, *_skew(shift), np.zeros(sums.shape[1:]), sums)
@@ -254,7 +254,7 @@ def _add_moments(log_factor, weight, reached, ends, log_level, scale, shape, run
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
-    """Return the sums (r, k) of `counted` (r, n) times `bells` (n, k), identical on any number of threads."""
+    """Return the matrix product (r, k) of `counted` (r, n) and `bells` (n, k), identical for any number of threads."""
     sums = np.zeros((counted.shape[0], bells.shape[1]))
     _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
     return sums
@@ -278,6 +278,6 @@ def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Return P at levels (..., k) from the weights of overturning and of all lanes, and the tail probabilities."""
+    """Return P (..., k) from the summed weights of overturning (`hit`) and all samples, and from the tail masses."""
     share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
     return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

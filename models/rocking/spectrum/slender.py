@@ -1,19 +1,19 @@
-"""March of slender blocks under a ground motion, from impact to impact by the closed form of the linear equation.
+"""Motion of slender blocks under a ground motion, from impact to impact by the closed form of the linear equation.
 
 .. note:: With phi = theta/alpha, tau = p t, u = s phi on the side s = 1 or -1, and f = x/p, the equation (Eqs. 1-2) is
-   linear between impacts, u'' = u - 1 - s f a_g. All lanes of one p share its bounded particular solution Q
-   (:mod:`.slender_ground`):
+   linear between impacts, u'' = u - 1 - s f a_g. All lanes (blocks under one factor) of one p share its bounded
+   particular solution Q (:mod:`.slender_ground`):
 
    u = 1 + s f Q + (A + B)/2,  u' = s f Q' + (A - B)/2,  with A growing as e^tau and B falling as e^-tau,
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
 
-   So u at any node costs three products, and `_fly` looks at the nodes of a block at once for the next one near the
-   ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block never returns, if
-   A > 0 and A + 1 > f max(-s G): it overturns.
+   So u at any node of the ground motion costs three products, and `_fly` computes it at a group of nodes at once to
+   find the next node at which the block is near the ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1
+   at all later times, and the block overturns, if A > 0 and A + 1 > f max(-s G).
 
    At an impact s changes its sign (not beside a wall) and u' becomes C abs(u').
-   Near the ground u'' is at most f abs(a_g) - 1. So if u vanishes within a piece of length h, it is at most
-   (cosh h - 1) max(f abs(a_g) - 1) at its end: no other piece contains an impact (:mod:`.slender_piece`).
+   Near the ground u'' is at most f abs(a_g) - 1. So if u vanishes within a piece (between two nodes) of length h, it
+   is at most (cosh h - 1) max(f abs(a_g) - 1) at the end of this piece: other pieces contain no impact.
    The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `first_impact`
    solves the few cases in which u'' changes sign or the steps do not converge.
 """
@@ -41,27 +41,27 @@ from rocking.spectrum.slender_ground import (
 )
 from rocking.spectrum.slender_piece import first_impact, halley_step, hyperbolic, motion_at
 
-#: Impacts slower than this u' [-] end the rocking unless the ground lifts the block: u would only reach 5e-7.
+#: Impacts slower than this u' [-] end the motion unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
 #: Number of lanes whose impacts are solved together.
 WIDTH = 16
 #: The last of Halley's steps is at most this share of tau: the error is about its third power.
 CONVERGED = 1e-5
-#: Rows of the state of lanes, each with `WIDTH` values. At a point of a piece: u, u', s f a_g and its rate, the length
-#: left in the piece, u and u' at its end; ...
+#: Rows of the state of lanes, each with `WIDTH` values, at a point of a piece: u, u', s f a_g and its rate, the length
+#: left in the piece, u and u' at the end of the piece.
 U, V, PUSH, RATE, LEFT, END_U, END_V = (np.uint64(WIDTH * row) for row in range(7))
-#: ... the impact in this piece: tau, u' after it, and u and u' at the end of the piece after it; ...
+#: Rows of the impact in this piece: tau, u' after it, and the resulting u and u' at the end of the piece.
 TAU, AFTER, NEXT_U, NEXT_V = (np.uint64(WIDTH * row) for row in range(7, 11))
-#: ... the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), and the largest u.
+#: Rows of the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), and the largest u.
 STRENGTH, RESTITUTION, SIDE, PEAK = (np.uint64(WIDTH * row) for row in range(11, 15))
 ROWS = 15
-#: States of a lane that is not before an impact: it has ended, or has reached the end of the tables.
+#: Values in place of the number of a piece: the lane has ended (overturned), or has reached the end of the tables.
 ENDED, FINAL = -1, -2
 
 
 @njit(_nrt=False)
 def _solve_impacts(s, turn):
-    """Solve for the impacts of all blocks of the state `s`; TAU is negative where `first_impact` must solve instead."""
+    """Compute the impacts of all blocks in the state `s`; TAU is negative if `first_impact` must be used instead."""
     for i in range(np.uint64(WIDTH)):
         u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
         bend, twist = u - 1.0 - push, v - rate
@@ -91,7 +91,7 @@ def _solve_impacts(s, turn):
 
 @njit(_nrt=False)
 def _raise_peak(s, i, u, v, push, rate, left):
-    """Raise the largest u of a block if the top of u, within `left` after a point of a piece, is larger."""
+    """Update the largest u of block i from its motion within `left` after a point with u and u' = `v`."""
     bend, twist = u - 1.0 - push, v - rate
     if u + v * left + (1.0 + abs(push)) * left * left < s[PEAK + i]:
         return
@@ -108,7 +108,7 @@ def _raise_peak(s, i, u, v, push, rate, left):
 
 @njit(inline="always", _nrt=False)
 def _pushes(ground, wall):
-    """Return the ground acceleration that can lift the resting block; a push towards a wall cannot."""
+    """Return abs(ground), or zero if it pushes towards the wall and thus cannot lift a resting block."""
     return max(-ground, 0.0) if wall else abs(ground)
 
 
@@ -120,7 +120,7 @@ def _end_of_piece(s, i):
 
 @njit(_nrt=False)
 def _lift(s, i, k, count, points, blocks, wall):
-    """Find the point at which a block at rest in piece `k` is lifted; return its piece, ENDED or FINAL."""
+    """Find the point at which block i, at rest in piece `k`, is lifted; return the piece of this point, or FINAL."""
     strength, now, rate, left = s[STRENGTH + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
     if _pushes(now, wall) <= 1.0:
         node = k + 1
@@ -155,7 +155,7 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 @njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
-    """Follow a block in motion from node `k`; return the next piece at whose end the block is near the ground."""
+    """Compute the motion of block i from node `k`; return the next piece that ends near the ground, ENDED or FINAL."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
     u = max(u, 0.0)
     if k == count:
@@ -220,7 +220,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
 
 @njit(_nrt=False)
 def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
-    """Raise the largest u of a block by the tops between nodes `first` - 1 and `last`, all in one group of nodes."""
+    """Update the largest u of block i from its motion between nodes `first` - 1 and `last`, all in one group."""
     margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, STRONGEST])
     for k in range(first, last + 1):
         up, down = grow * points[k, UP], fall * points[k, DOWN]
@@ -237,9 +237,9 @@ def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
 
 @njit(inline="always", _nrt=False)
 def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
-    """Follow a block from a point of piece `k` to the next piece that may contain an impact, ENDED or FINAL.
+    """Compute the motion of block i from a point of piece `k` to the next piece that may contain an impact.
 
-    `passed` is True if its motion in the rest of this piece is known to have none.
+    Return this piece, ENDED or FINAL. `passed` is True if the rest of piece `k` is known to contain no impact.
     """
     while True:
         if s[SIDE + i] == 0.0:
@@ -283,7 +283,7 @@ def _impact(s, i, k, points, wall, peaks):
     s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
     s[SIDE + i] *= turn
     margin = 1.0 - max(_pushes(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
-    # At rest after hops of at most 2 u'/margin, each shorter by C, that all end within the piece.
+    # It rests if its hops, the first of at most 2 u'/margin and each C times the one before, end within the piece.
     if v <= SLOWEST or 2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left:
         s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate
         s[SIDE + i] = 0.0
@@ -296,7 +296,7 @@ def _impact(s, i, k, points, wall, peaks):
 
 @njit(_nrt=False)
 def _peak_on_still_ground(u, v, restitution):
-    """Return the largest u on a still ground, of a motion with u and u' at its start; inf if it overturns."""
+    """Return the largest u of the motion on still ground from u and u' = `v`; inf if the block overturns."""
     # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
     kept = (1.0 - u) ** 2 - v * v
     after = restitution * math.sqrt(max(1.0 - kept, 0.0))
@@ -308,12 +308,12 @@ def _peak_on_still_ground(u, v, restitution):
 
 @njit(_nrt=False)
 def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
-    """March lanes `first` to `last` - 1 of one p through tables of the ground (:class:`.slender_ground.Tables`).
+    """Compute lanes (a block under a factor) `first` to `last` - 1 of one p over :class:`.slender_ground.Tables`.
 
-    `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the strength
-    f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
-    (n, 4) is updated: the largest u (inf if the lane overturns; without `peaks` it is found only for these), u, u' and
-    s (0 at rest, NaN for a lane that has ended). After the `final` tables the ground is still.
+    `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the `strength`
+    f = x/p [s2/m] and the `restitution` C (the rebound e beside a wall, with s = 1 always). The `state` (n, 4) is
+    updated: largest u (inf if the block overturns; without `peaks` it is only valid if inf), u, u' and s (0 at rest,
+    NaN for a lane that has ended). After the `final` tables the ground is still.
     """
     lane_of, piece = slots[0], slots[1]
     lane_of[:] = -1
@@ -346,7 +346,7 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
 
 @njit(_nrt=False)
 def _start(s, i, own, strength, restitution, points):
-    """Write the state of a block at the first node; return the piece in which it rests, or -1 if it moves."""
+    """Write the state of block i at the first node; return the piece in which it rests, or -1 if it moves."""
     s[STRENGTH + i], s[RESTITUTION + i], s[SIDE + i], s[PEAK + i] = strength, restitution, own[3], own[0]
     s[V + i], s[END_U + i], s[END_V + i] = 0.0, own[1], own[2]
     s[PUSH + i], s[RATE + i], s[LEFT + i] = strength * points[0, START], strength * points[0, SLOPE], points[0, LENGTH]
@@ -355,7 +355,7 @@ def _start(s, i, own, strength, restitution, points):
 
 @njit(_nrt=False)
 def _store(s, i, own, status, final):
-    """Store the state of a block that has ended or has reached the end of the tables."""
+    """Store the state of block i, which has overturned or has reached the end of the tables."""
     own[0], own[1], own[2], own[3] = s[PEAK + i], s[U + i], s[V + i], s[SIDE + i]
     if status == FINAL and final and own[3] != 0.0:
         own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))

@@ -16,34 +16,34 @@ import numpy as np
 from rocking.kernel_cache import njit
 from rocking.spectrum.slender_piece import LONGEST, hyperbolic
 
-#: Number of nodes in a block, which are searched together.
+#: Number of nodes in a group; the nodes of a group are searched together.
 BLOCK = 16
 #: Number of pieces in one set of tables, so that records of days need no more memory than those of minutes.
 AT_ONCE = 2**16
 
 
 #: Columns of `Tables.points`. Of the piece after each node: its length in tau, a_g at its start [m/s2] and the slope of
-#: a_g with tau. Of each node: Q and Q' [m/s2], e^tau and e^-tau from the start of its block, and the acceleration that
+#: a_g with tau. Of each node: Q and Q' [m/s2], e^tau and e^-tau from the start of its group, and the acceleration that
 #: can lift a block at rest [m/s2].
 LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
-#: Columns of `Tables.blocks`: e^tau over the block; the largest LIFTING in the block and at the node before it;
-#: cosh h - 1 of the longest piece; the largest abs(a_g) of all; the largest -G, and G (AHEAD + 1), from the block on,
-#: between nodes too.
+#: Columns of `Tables.blocks`, for each group: e^tau over the group; the largest LIFTING in the group and at the node
+#: before it; cosh h - 1 of the longest piece of all; the largest abs(a_g) of all; upper bounds of -G, and of G (AHEAD +
+#: 1), from the group on.
 GROWTH, HIGHEST, REACH, STRONGEST, AHEAD = range(5)
 
 
 class Tables(NamedTuple):
-    """Ground motion and response at n nodes, in b blocks of `BLOCK` nodes; nodes after the last piece are empty."""
+    """Ground motion and solution Q at n nodes, in b groups of `BLOCK` nodes; nodes after the last piece are empty."""
 
-    pieces: int  #: their number
+    pieces: int  #: number of pieces
     points: np.ndarray  #: (n, 8)
-    rows: np.ndarray  #: (3, n) Q, e^tau and e^-tau again, side by side
+    rows: np.ndarray  #: (3, n) copy of Q, e^tau and e^-tau with contiguous rows
     blocks: np.ndarray  #: (b, 6)
 
 
 @njit(_nrt=False)
 def _impulses(length, start, slope, past, future):
-    """Fill H and G at the nodes; H of the first node and G of the last one are given."""
+    """Fill `past` with H and `future` with G at the nodes; H of the first node and G of the last one are given."""
     count = length.shape[0]
     for k in range(count):
         even, odd = hyperbolic(length[k])
@@ -87,7 +87,7 @@ class SlenderGround:
             self._ends = np.cumsum(self._parts)
             count = int(self._ends[-1])
         self._count, self._firsts = count, range(0, count, AT_ONCE)
-        # From the end of the motion to its start: G, and the largest -G and G after it.
+        # G at the end of each set of tables, and the largest -G and G after it.
         self._after = [(0.0, np.zeros(2))]
         for first in reversed(self._firsts[1:]):
             tables = self._tables(first, 0.0, *self._after[0])
@@ -95,7 +95,7 @@ class SlenderGround:
         self._single = self._tables(0, 0.0, *self._after[0]) if len(self._firsts) == 1 else None
 
     def __iter__(self) -> Iterator[tuple[Tables, bool]]:
-        """Yield the tables of each part of the motion, and whether the part is the last one."""
+        """Yield the tables of each part of the ground motion, and whether the part is the last one."""
         if self._single:
             yield self._single, True
             return
@@ -107,7 +107,7 @@ class SlenderGround:
             del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
-        """Return the tables from piece `first` on; `past` is H at its start, `future` (G) and `left` are of the end."""
+        """Return tables from piece `first` on; `past` is H before them, `future` G after them, and `left` bounds G."""
         own = np.arange(first, min(first + AT_ONCE, self._count))
         whole, parts, place = own, np.ones_like(own), np.zeros_like(own)
         if self._divided:
@@ -148,7 +148,7 @@ class SlenderGround:
 
 @njit()
 def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: float) -> np.ndarray:
-    """Return E [m/s] (:mod:`rocking.march.demand`) at points (k,) of a piecewise linear ground, `last` at the last."""
+    """Return the weighted impulse E (march/demand.py) at points of a piecewise linear a_g; `last` is its last value."""
     weighted = np.full(times.shape[0], last)
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]
@@ -164,7 +164,7 @@ def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: f
 
 @njit()
 def lobe_tops(weighted: np.ndarray) -> np.ndarray:
-    """Return indices of the largest abs(E) (k,) in every run of one sign, in order; zeros belong to no run."""
+    """Return the index of the largest abs(E) in each run of values of one sign, in order; zeros belong to no run."""
     tops = np.empty(weighted.shape[0], dtype=np.int64)
     count, side = 0, 0.0
     for i in range(weighted.shape[0]):

@@ -1,4 +1,4 @@
-"""Lanes of an overturning spectrum: responses of slender blocks over ranges of strength, p and restitution.
+"""Lanes of an overturning spectrum: responses of slender blocks over ranges of x, p and restitution.
 
 .. note:: The motion of a slender block under a record times f depends only on x = f p/(g tan alpha) [s/m], p and C:
    with phi = theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
@@ -40,9 +40,9 @@ REBOUNDS = (0.25, 0.55)
 #: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
 #: (docs/decisions/018).
 FIRST, SECOND, SECOND_OF_BODY = 144, 700, 1600
-#: The first stage ends at this multiple of the weighted impulse that overturns a resting block, ...
+#: Upper end of the first stage, as a multiple of the weighted impulse that overturns a resting block.
 HIGHEST = 1.0 / 0.06
-#: ... and at least this far above uplift [-], in ln x.
+#: Smallest length of the first stage above uplift, in ln x [-].
 LEAST_SPAN = 0.7
 #: The first stage is extended if a lane survives in this upper share of its range; largest number of extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
@@ -108,7 +108,7 @@ def spectrum_lanes(
     rotations: bool = True,
     second: int = SECOND,
 ) -> SpectrumLanes:
-    """Compute the lanes of a record's overturning spectrum.
+    """Compute the responses of slender blocks (lanes) that give the overturning spectrum of a record.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def spectrum_lanes(
     rotations : bool
         False to compute only which lanes overturn, in about half the time.
     second : int
-        Number of lanes in the second stage at each p, 144 lanes being in the first.
+        Number of lanes in the second stage at each p; the first stage has 144.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def piece_lanes(
     rotations: bool = True,
     second: int = SECOND,
 ) -> SpectrumLanes:
-    """Compute slender blocks at ascending p [1/s] under a ground acceleration [m/s2] linear between `times` [s]."""
+    """Compute responses of slender blocks (lanes) at ascending p under a ground acceleration linear between `times`."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
@@ -185,7 +185,7 @@ def body_piece_lanes(
     side: int = 0,
     second: int = SECOND_OF_BODY,
 ) -> list[BodyLanes]:
-    """March lanes at the p and the restitutions of each of (m,) slender blocks, under the same motion of the ground."""
+    """Compute samples of (m,) slender blocks, with the p and random C of each block, under the same ground motion."""
     rates, nominal = np.asarray(block.p, dtype=float), np.asarray(block.restitution, dtype=float)
 
     restitutions = [partial(uncertainty.restitutions, own) for own in nominal]
@@ -211,13 +211,13 @@ def _march_lanes(
     *,
     rotations: bool,
 ) -> Iterator[dict[str, Any]]:
-    """March lanes at each frequency parameter (a,), with its function from ranks (n,) from 0 to 1 to restitutions.
+    """Compute lanes at each of the frequency parameters `rates`, with C from its function in `restitutions`.
 
-    Without `rotations` the peaks are valid only where they are inf.
+    Without `rotations` the peaks are valid only if they are inf.
     """
     check_strength(ground)
     if not np.any(ground):
-        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+        raise ValueError("acceleration: expected a ground motion, got only zeros")
     if side < 0:
         ground = -ground  # mirror image
     seconds = np.diff(times)
@@ -229,7 +229,7 @@ def _march_lanes(
     least, most = (float(find([find(one) for one in pieces[1:]])) for find in (np.min, np.max))
     highest = -least if side else max(-least, most)
     if not highest > 0.0:
-        raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
+        raise ValueError("acceleration: no sample has the sign that lifts a block beside a wall on this side")
     for rate, restitution in zip(rates.tolist(), restitutions, strict=True):
         bottom = math.log(rate / highest)
         top = max(math.log(HIGHEST / _largest(weighted_impulse(times, ground, rate, 0.0))), bottom + LEAST_SPAN)
@@ -241,7 +241,7 @@ def _march_lanes(
 def march_one_rate(
     motion: SlenderGround, log_x: np.ndarray, restitution: np.ndarray, *, rotations: bool, threads: int | None
 ) -> np.ndarray:
-    """Return the largest u (n,) of lanes of one p; without `rotations` only inf is valid, for lanes that overturn."""
+    """Return the largest abs(theta)/alpha of n blocks of one p; without `rotations` only inf (overturns) is valid."""
     strength, state = np.exp(log_x) / motion.rate, np.zeros((log_x.size, 4))
     for tables, final in motion:
 
@@ -275,7 +275,7 @@ def _both_stages(
     restitutions: Callable[[np.ndarray], np.ndarray],
     second: int,
 ) -> dict[str, Any]:
-    """Return the lanes (n,) of both stages from uplift at ln x = `bottom` to `top`, with peaks from `march`."""
+    """Return the samples of both stages, from uplift at ln x = `bottom` to `top`; `march` computes the rotations."""
     restitution = restitutions(_ranks(FIRST, 0.5))
     for _ in range(WIDENINGS):
         log_x = bottom + (top - bottom) * ((np.arange(FIRST) + 0.5) / FIRST)
@@ -304,17 +304,17 @@ def _ranks(count: int, start: float) -> np.ndarray:
 
 
 def _level(log_x: Any, restitution: Any) -> Any:
-    """Return a level of strength, ln x corrected for C: blocks at one level overturn about equally often."""
+    """Return ln x corrected for C: blocks with equal corrected values overturn with about equal probability."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
 def _second_stage_levels(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return levels (count,) of the second stage, and the density of the second stage on a grid of levels."""
+    """Return :func:`_level` of `count` samples of the second stage, and the density of samples on a grid of levels."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
-    # Rounded, because the root of a share that is 0 or 1 but for rounding would move all lanes by 1e-8.
+    # Rounded, because the square root of a rounding error would move all lanes by 1e-8.
     share = np.round(np.sum(near * over, axis=1) / np.sum(near, axis=1), SHARE_DIGITS)
     wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
     step = grid[1] - grid[0]

@@ -13,7 +13,7 @@ from rocking.kernel_cache import njit
 
 #: Largest length of a piece in tau, for which `hyperbolic` is exact to rounding.
 LONGEST = 0.125
-#: Largest number of steps of the search in a bracket, and the relative accuracy where it ends.
+#: Largest number of steps in a bracketed search, and the relative accuracy at which it ends.
 STEPS, ACCURACY = 60, 1e-15
 
 
@@ -35,7 +35,7 @@ def motion_at(tau, u, v, bend, twist):
 
 @njit(inline="always", _nrt=False)
 def halley_step(tau, u, v, bend, twist, left):
-    """Return a step of Halley's method for u = 0, and the tau after this step, limited to the piece."""
+    """Return a step of Halley's method for u = 0, and tau after this step, limited to the piece."""
     even, odd = hyperbolic(tau)
     value = u + v * tau + bend * even + twist * odd
     slope = v + bend * (tau + odd) + twist * even
@@ -48,7 +48,7 @@ def halley_step(tau, u, v, bend, twist, left):
 
 @njit(_nrt=False)
 def _sign_change(low, high, u, v, bend, twist, order):
-    """Return tau from `low` to `high` where u (`order` 0) or u' (1) changes its sign, by bracketed Newton steps."""
+    """Return tau from `low` to `high` at which u (`order` 0) or u' (1) changes sign, by bracketed Newton steps."""
     sign = 1.0 if (motion_at(high, u, v, bend, twist)[order] > 0.0) else -1.0
     tau = high
     for _ in range(STEPS):
@@ -71,10 +71,10 @@ def _sign_change(low, high, u, v, bend, twist, order):
 
 @njit(_nrt=False)
 def first_impact(u, v, bend, twist, left):
-    """Return the first tau up to `left` where u falls to zero; -1 if it does not."""
+    """Return the first tau up to `left` at which u falls to zero; -1 if it does not."""
     if u <= 0.0 and (v < 0.0 or (v == 0.0 and bend < 0.0)):
         return 0.0
-    # u' is monotone on both sides of the point where u'' = 0, and u between these points and its extremes.
+    # u' is monotonic on both sides of the point at which u'' = 0, and u between its extremes.
     turn = left
     if abs(bend) < abs(twist):
         turn = min(max(math.atanh(-bend / twist), 0.0), left)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from rockpulse.app import CHILD
 
-#: A progress bar as tqdm prints it: description, number done, total, and remaining time.
-_BAR = re.compile(r"(?P<doing>[^:|]+):\s+\d+%\|.*\| (?P<done>\d+)/(?P<total>\d+) \[[\d:]+<(?P<left>[\d:?]+)")
+#: A progress bar as tqdm prints it: number done, total, and remaining time.
+_BAR = re.compile(r"[^:|]+:\s+\d+%\|.*\| (\d+)/(\d+) \[[\d:]+<([\d:?]+)")
 #: Number of lines of the output that are kept, and time after which an interrupted process is killed [s].
 LINES, PATIENCE = 400, 10.0
 
@@ -36,12 +36,15 @@ class Command:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.verb, self.doing, self.done, self.total, self.left = "", "", 0, 0, ""
-        self.code: int | None = None
-        self.lines: list[str] = []
         self.version = 0  # counts the changes of these values, for the pages that show them
         self.turned = 0  # version with which the command has started or ended
         self._process: asyncio.subprocess.Process | None = None
+        self._begin("")
+
+    def _begin(self, verb: str) -> None:
+        self.verb, self.done, self.total, self.left = verb, 0, 0, ""
+        self.code: int | None = None
+        self.lines: list[str] = []
 
     @property
     def running(self) -> bool:
@@ -56,8 +59,7 @@ class Command:
 
     async def run(self, arguments: Sequence[str]) -> int:
         """Run a command of rockpulse in the project folder until it ends, and return its exit code."""
-        self.verb, self.doing, self.done, self.total, self.left = arguments[0], "", 0, 0, ""
-        self.code, self.lines = None, []
+        self._begin(arguments[0])
         pipe = asyncio.subprocess.PIPE
         self._process = process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "rockpulse", *arguments),
@@ -83,8 +85,7 @@ class Command:
 
     def _take(self, line: str) -> None:
         if bar := _BAR.match(line):
-            self.doing, self.left = bar["doing"].strip(), bar["left"]
-            self.done, self.total = int(bar["done"]), int(bar["total"])
+            self.done, self.total, self.left = int(bar[1]), int(bar[2]), bar[3]
         else:
             self.lines = [*self.lines[1 - LINES :], line]
         self.version += 1

@@ -58,7 +58,7 @@ class Guard:
             length = asked.headers.get("content-length", "")
             if not length.isdecimal():
                 return _refused(411)
-            if int(length) > (UPLOAD if asked.scope["path"] == "/upload" else TABLE_LIMIT):
+            if int(length) > (UPLOAD if asked.scope["path"] == "/upload/records" else TABLE_LIMIT):
                 return _refused(413)
         return None
 

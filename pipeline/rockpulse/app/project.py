@@ -2,14 +2,14 @@
 
 import re
 import shutil
-from collections.abc import Collection, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import fields, replace
 from filecmp import cmp
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from rockpulse.app.child import Command
 from rockpulse.config.body_table import read_bodies, unused_columns
@@ -18,6 +18,7 @@ from rockpulse.config.configuration import (
     config_from_text,
     config_of,
     document_as_text,
+    load_config,
     section_of,
     section_values,
 )
@@ -45,6 +46,10 @@ HEAD = "# Written by rockpulse app, which keeps no comments."
 DEEPEST = 6
 _ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
+
+
+#: Kinds of files that are sent to the project.
+Kind: TypeAlias = Literal["records", "bodies", "hazard"]
 
 
 def safe_name(name: str) -> str:
@@ -92,7 +97,6 @@ class Project:
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
         self.error, self.written, self.assessed = "", "", 0
-        self._made: dict[str, tuple[int, str]] = {}  # files of results: when they were made, from which configuration
         self._reading = Lock()
         self._state: Any = None  # of the configuration and the files when the records were read
         self.kept: tuple[list[Record], list[Failure]] = [], []
@@ -106,12 +110,9 @@ class Project:
     def load(self) -> None:
         """Read the configuration, or start an empty one if there is no file; raise ConfigError if it is not valid."""
         self.written = read_text(self.path, TOML_LIMIT, "a TOML file") if self.path.exists() else ""
-        try:
-            document = parse_toml(self.written, str(self.path))
-            config_of(document, self.folder)
-        except ConfigError as error:
-            raise ConfigError(f"{self.path}: {error}".replace(f"{self.path}: {self.path}", str(self.path))) from None
-        self.document, self.error = document, ""
+        if self.written:
+            load_config(self.path)
+        self.document, self.error = parse_toml(self.written, str(self.path)), ""
 
     @property
     def changed_outside(self) -> bool:
@@ -148,35 +149,44 @@ class Project:
         """Return the configuration from its file."""
         return config_of(parse_toml(self.written, CONFIG), self.folder)
 
+    def take(self, kind: Kind, name: str, path: Path) -> str:
+        """Take a file that was sent, whose errors state its own name; return a sentence on unused columns of bodies."""
+        takes: dict[str, Callable[[str, Path], str | None]]
+        takes = {"records": self.add_record, "bodies": self.add_table, "hazard": self.set_hazard}
+        try:
+            return takes[kind](name, path) or ""
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(path), name)) from None
+
     # Records
 
     def record_files(self) -> list[Path]:
         """Return the paths of the files in the folder of records and in its subfolders."""
         return sorted(path for path in (self.folder / RECORDS).rglob("*") if path.is_file())
 
-    def place_for(self, name: str) -> Path:
-        """Return an unused path for a new record file; the folder of records is added to the configuration."""
-        first = path = self.folder / RECORDS / safe_path(name)
-        path.parent.mkdir(parents=True, exist_ok=True)
+    def add_record(self, name: str, path: Path, put: Callable[[Path, Path], object] = shutil.move) -> None:
+        """Put a file into the folder of records, which is added to the configuration, unless its content is there."""
         paths = self.section("records").setdefault("paths", [])
         if RECORDS not in paths:
             paths.append(RECORDS)
             self.save()
+        if any(cmp(path, other, shallow=False) for other in self.record_files()):
+            return
+        first = place = self.folder / RECORDS / safe_path(name)
+        try:
+            first.parent.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError) as error:
+            raise ConfigError(f"{error.filename}: a file has the name of this folder") from None
         number = 1
-        while path.exists():
+        while place.exists():
             number += 1
-            path = first.with_stem(f"{first.stem}-{number}")
-        return path
-
-    def keep_if_new(self, path: Path) -> None:
-        """Delete a new record file if another file in the folder has the same content."""
-        if any(cmp(path, other, shallow=False) for other in self.record_files() if other != path):
-            path.unlink()
+            place = first.with_stem(f"{first.stem}-{number}")
+        put(path, place)
 
     def add_samples(self) -> None:
         """Copy the sample records to the folder of records."""
         for path in samples():
-            self.keep_if_new(Path(shutil.copyfile(path, self.place_for(path.name))))
+            self.add_record(path.name, path, shutil.copyfile)
 
     def name_of(self, source: str) -> str:
         """Return the path of a file of records from the project folder, as the configuration has it."""
@@ -254,10 +264,9 @@ class Project:
 
     # Bodies
 
-    def add_table(self, name: str, content: bytes) -> str:
+    def add_table(self, name: str, path: Path) -> str:
         """Add the bodies of a table file; return a sentence on unused columns; raise ConfigError for a wrong table."""
-        with self._tried(name, content) as path:
-            bodies, unused = read_bodies(path)
+        bodies, unused = read_bodies(path)
         known = {row.get("name") for row in self.several("block")}
         if twice := [body.name for body in bodies if body.name in known]:
             raise ConfigError(f'[[block]] name: "{twice[0]}" is given 2 times; names must differ')
@@ -265,21 +274,9 @@ class Project:
         self.save()
         return unused_columns(name, unused)
 
-    @contextmanager
-    def _tried(self, name: str, content: bytes) -> Iterator[Path]:
-        """Write an uploaded file in the ``with`` block alone, whose errors state the name of the upload."""
-        path = self.folder / f".{safe_name(name)}"
-        try:
-            path.write_bytes(content)
-            yield path
-        except ConfigError as error:
-            raise ConfigError(str(error).replace(str(path), name)) from None
-        finally:
-            path.unlink(missing_ok=True)
-
     # Site
 
-    def set_hazard(self, name: str, content: bytes) -> None:
+    def set_hazard(self, _: str, path: Path) -> None:
         """Keep a file of hazard curves, which replaces a power law or another file; raise ConfigError for a wrong one.
 
         A wrong one changes nothing.
@@ -288,9 +285,8 @@ class Project:
 
         replaced = ("k0", "k", "measure", "unit", "file")
         kept = {key: value for key, value in self.section("hazard").items() if key not in replaced}
-        with self._tried(name, content) as path:
-            hazard_of(section_of(HazardSettings, kept | {"file": path.name}), self.folder)
-        write_files({self.folder / HAZARD: content})
+        hazard_of(section_of(HazardSettings, kept | {"file": str(path)}), self.folder)
+        path.replace(self.folder / HAZARD)
         self.document["hazard"] = kept | {"file": HAZARD}
         self.save()
 
@@ -303,22 +299,15 @@ class Project:
 
     def is_current(self, name: str) -> bool:
         """Return whether a file of results exists that was made from the records and the configuration as they are."""
-        from rockpulse.storage.hdf5.results_file import open_results_file
-
         path, config = self.folder / name, self.config()
         tables = (config.records.events, config.check.file, config.fragility.selection)
         named = [self.folder / one for one in (*tables, *(one.selection for one in config.demands)) if one]
         if not path.is_file() or _newer(named, path) or self._records_changed(path):
             return False
-        made = path.stat().st_mtime_ns
         try:
-            if self._made.get(name, (0, ""))[0] != made:
-                with open_results_file(path) as file:
-                    self._made[name] = made, str(file.attrs.get("configuration", ""))
-            given = config_from_text(self._made[name][1])
+            return _basis(_made_from(path, path.stat().st_mtime_ns)) == _basis(config)
         except RockpulseError:  # damaged, or from another version: the page offers to make it again
             return False
-        return _basis(given) == _basis(config)
 
     def newer_than(self, made: Path) -> bool:
         """Return whether the configuration, the hazard or a file of records is newer than a file made from them."""
@@ -344,6 +333,15 @@ class Project:
 def _newer(paths: Iterable[Path], made: Path) -> bool:
     when = made.stat().st_mtime_ns
     return any(path.stat().st_mtime_ns > when for path in paths if path.exists())
+
+
+@lru_cache
+def _made_from(path: Path, when: int) -> Config:
+    """Return the configuration from which a file of results was made at a time."""
+    from rockpulse.storage.hdf5.results_file import open_results_file
+
+    with open_results_file(path) as file:
+        return config_from_text(str(file.attrs.get("configuration", "")))
 
 
 def _basis(config: Config) -> Config:

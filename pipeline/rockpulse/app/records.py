@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Collection
+from functools import partial
 from heapq import nsmallest
 from operator import ne
 from pathlib import Path
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 from nicegui import events, run, ui
 
-from rockpulse.app.fields import file_input, refused, value_of
+from rockpulse.app.fields import value_of
 from rockpulse.app.project import RECORDS, samples
 from rockpulse.app.table import Table
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.configuration import Config
 from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
@@ -22,9 +24,9 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.directions import plan_motions
 from rockpulse.selection.duplicate_selection import without_duplicates
-from rockpulse.selection.events import words_of
 from rockpulse.views.shared.files_used import translated_row
 from rockpulse.views.shared.formatting import three_digits
+from rockpulse.views.shared.record_facts import facts_of
 from rockpulse.views.shared.words import counted_words, in_dates, listed, say
 
 #: Columns of the table, and those of numbers.
@@ -54,22 +56,23 @@ class RecordPart:
         self.page, self.project = page, page.project
         self.records: list[Record] = []
         self.failures: list[Failure] = []  # of reading, and of the last assessment
+        self.unused: list[Failure] = []  # those that are shown, and the channels without a partner
         self.single: dict[str, Record] = {}  # the horizontal channels that are alone in their files, by file
-        self.most = FIRST  # the largest number of files not used that are shown
         self.components = ""  # the directions for which the channels without a partner were found
 
     def show(self) -> None:
         """Build the section on the page, and read the records."""
         page = self.page
-        file_input(say("app.records.drop"), "/upload", page.handler(self._taken), say("app.records.folder"))
-        self.unused = ui.label().classes("fault").props('role="alert"')
+        file_input(page, say("app.records.drop"), "records", self.read, say("app.records.folder"))
+        self.fault = ui.label().classes("fault").props('role="alert"')
         if samples():
             page.button(say("app.records.samples"), self._samples)
         self.state = ui.label().props('role="status"')
         self.table = ui.element("div").classes("wide")
         self.left = ui.element("div").classes("wide")
+        self.others = Panel(page, say("app.records.others"), lambda: self._show_unused(self.unused[FIRST:]))
         self.files = Panel(page, say("app.records.files"), self._show_files)
-        self.files.visible = False
+        self.others.visible = self.files.visible = False
         if self.project.kept[0]:  # shown before they are compared with the files
             self.records = self.project.kept[0]
             self._show_records()
@@ -78,15 +81,7 @@ class RecordPart:
     def show_error(self, error: str) -> None:
         """Show which channels lack a partner if other directions are requested; errors are shown beside their files."""
         if self.records and not error and self._components() != self.components:
-            self._show_left()
-
-    async def _taken(self, event: events.GenericEventArguments) -> None:
-        self.page.sending = bool(event.args["sending"])
-        if self.page.sending:
-            self.state.text = say("app.records.copying", name=event.args["sending"])
-        else:
-            await self.read()
-            refused(event.args["faults"])
+            self._show_failures()
 
     async def _samples(self) -> None:
         await self.page.after(run.io_bound(self.project.add_samples))
@@ -101,7 +96,7 @@ class RecordPart:
         if not self.records or self.records is not known:
             self._show_records()
         self.failures = [*failures, *(await after(run.io_bound(self.project.rejected)) or [])]
-        self._show_left()
+        self._show_failures()
         self.files.renew()
         self.files.visible = bool(self.project.record_files())
         self.page.shown_error()
@@ -136,7 +131,7 @@ class RecordPart:
             ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
         drawn.content = await self.page.after(run.io_bound(_drawn, record))
 
-    def _show_left(self) -> None:
+    def _show_failures(self) -> None:
         self.components = self._components()
         sources = Counter(record.source for record in self.records)
         self.single = {
@@ -146,22 +141,16 @@ class RecordPart:
         }
         lone = _alone(self.records, self.project.config(), self.failures)
         boxes = {_box(source) for source in sources}
-        rows = [row for row in (*self.failures, *lone) if self._concerns(row, boxes)]
-        names = [*dict.fromkeys(last_part(row.file) for row in rows)]
-        self.unused.text = say("app.records.unused", files=listed(names)) if rows else ""
+        self.unused = [row for row in (*self.failures, *lone) if self._concerns(row, boxes)]
+        names = [*dict.fromkeys(last_part(row.file) for row in self.unused)]
+        self.fault.text = say("app.records.unused", files=listed(names)) if names else ""
         self.left.clear()
         with self.left:
-            if rows:
-                ui.html(say("app.records.left", count=len(rows)), tag="h3")
-            for row in rows[: self.most]:
-                with ui.element("div").classes(f"left {row.kind}"):
-                    self._left(row)
-            if len(rows) > self.most:
-                self.page.button(say("app.records.all"), self._show_all)
-
-    def _show_all(self) -> None:
-        self.most = len(self.failures) + len(self.records)
-        self._show_left()
+            if names:
+                ui.html(say("app.records.left", count=len(self.unused)), tag="h3")
+            self._show_unused(self.unused[:FIRST])
+        self.others.visible = len(self.unused) > FIRST
+        self.others.renew()
 
     def _components(self) -> str:
         return str(self.project.section("records").get("components", ""))
@@ -176,17 +165,17 @@ class RecordPart:
             return True
         return row.bare != NO_RECORD and box not in boxes
 
-    def _left(self, row: Failure) -> None:
-        ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
-        row = translated_row(row)
-        ui.label(row.found.replace(f"{self.project.folder}/", ""))
-        for remedy in row.remedies:
-            self._remedy(row.file, remedy)
-        if row.bare != row.found:
-            with ui.expansion(say("app.records.why")).props("dense"):
-                ui.label(row.bare).classes("pre")
+    def _show_unused(self, rows: list[Failure]) -> None:
+        for row in map(translated_row, rows):
+            with ui.element("div").classes(f"left {row.kind}"):
+                ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
+                ui.label(row.found.replace(f"{self.project.folder}/", ""))
+                for remedy in row.remedies:
+                    self._show_remedy(row.file, remedy)
+                if row.bare != row.found:
+                    Panel(self.page, say("app.records.why"), partial(_show_reason, row))
 
-    def _remedy(self, source: str, remedy: Remedy) -> None:
+    def _show_remedy(self, source: str, remedy: Remedy) -> None:
         """Show the input of a remedy for a file or its channels."""
         key, name = remedy.key, self.project.name_of(source)
         paired = key == "pair" and self.project.pairs_without(name) != self.project.section("records").get("pair", [])
@@ -239,6 +228,10 @@ class RecordPart:
         await self.read()
 
 
+def _show_reason(row: Failure) -> None:
+    ui.label(row.bare).classes("pre")
+
+
 def _counts(channels: int, events: int) -> str:
     """Return the numbers of channels and earthquakes as text, with the number needed for a verdict if it is larger."""
     from rockpulse.assessment.verdict import FEWEST_AT_DEMAND
@@ -249,12 +242,12 @@ def _counts(channels: int, events: int) -> str:
 
 
 def _row(record: Record) -> dict[str, Any]:
-    when = record.origin_time or record.start_time
-    vertical = f"({say('left_out.vertical')})" if record.orientation == "vertical" else ""
+    facts = facts_of(record)
+    vertical = f" ({say('left_out.vertical')})" if record.orientation == "vertical" else ""
     return {
-        "station": " ".join(filter(None, (record.network, record.station))) or record.id,
-        "earthquake": record.event if words_of(record.event) else (in_dates(f"{when:%Y-%m-%d}") if when else ""),
-        "direction": " ".join(filter(None, (record.component, vertical))),
+        "station": facts.place or record.id,
+        "earthquake": facts.title or in_dates(facts.date),
+        "direction": f"{facts.direction}{vertical}",
         "pga": record.pga / STANDARD_GRAVITY,
         "pgv": pgv(record),
         "length": record.duration,

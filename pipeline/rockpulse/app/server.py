@@ -18,7 +18,7 @@ from starlette.requests import ClientDisconnect
 
 from rockpulse.app.guard import Guard
 from rockpulse.app.page import show_page
-from rockpulse.app.project import Project
+from rockpulse.app.project import Kind, Project, safe_name
 from rockpulse.errors import ConfigError
 from rockpulse.views.shared.words import LANGUAGES
 
@@ -63,34 +63,20 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         fresh = {"cache-control": "no-store"}
         return FileResponse(project.folder / name, filename=name, content_disposition_type=kind, headers=fresh)
 
-    @app.post("/upload")
-    async def upload(request: Request, name: str) -> None:
-        try:
-            path = project.place_for(name)
-        except (FileExistsError, NotADirectoryError) as error:
-            raise HTTPException(400, f"{error.filename}: a file has the name of this folder") from error
-        whole = False
+    @app.post("/upload/{kind}")
+    async def upload(request: Request, kind: Kind, name: str) -> Response:
+        path = project.folder / f".{secrets.token_hex(4)}-{safe_name(name)}"
         try:
             with path.open("xb") as file:
                 async for part in request.stream():
                     file.write(part)
-                whole = file.tell() == int(request.headers["content-length"])
-        finally:
-            if not whole:  # the window was closed, or the disk is full
-                path.unlink(missing_ok=True)
-        if whole:
-            project.keep_if_new(path)
-
-    async def taken(request: Request, name: str) -> Response:
-        take = project.add_table if request.url.path == "/table" else project.set_hazard
-        try:
-            take(name, await request.body())
+            if path.stat().st_size == int(request.headers["content-length"]):  # the browser has not cut it off
+                project.take(kind, name, path)
         except ConfigError as error:
             return PlainTextResponse(str(error), 400)
+        finally:
+            path.unlink(missing_ok=True)
         return Response()
-
-    for one in ("/table", "/hazard"):
-        app.post(one)(taken)
 
     async def attend() -> None:
         while not Server.instance.started:

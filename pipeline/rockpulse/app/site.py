@@ -1,12 +1,14 @@
 """The section of the page on the site: demand, directions of the records, code check, and title of the report."""
 
+from functools import partial
 from typing import Any
 
-from nicegui import events, ui
+from nicegui import ui
 
-from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
+from rockpulse.app.fields import Fields, plain_error, text_of
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import Panel, Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
@@ -16,7 +18,8 @@ from rockpulse.views.shared.words import error_words, say
 
 #: Kinds of demand: none, a_g S of the site, and measures with the units that a value may have.
 MEASURES = {"pga": ("g", "m/s2"), "pgv": ("m/s", "cm/s"), "sa": ("g", "m/s2")}
-#: Keys of the code check, and of the head of the report.
+#: Keys of the directions of the records, of the code check, and of the head of the report.
+DIRECTIONS = ("components", "azimuth", "include_vertical")
 CHECK = ("spectrum", "ag", "f0", "tc_star", "ground", "topography", "limit_state", "q", "confidence_factor")
 HEAD = ("author", "client", "project")
 
@@ -34,8 +37,7 @@ class SitePart:
     def show(self) -> None:
         """Build the section on the page."""
         site = self.project.section("site")
-        with ui.element("div").classes("keys"):
-            self._group(SiteSettings, "name", "description", texts=("name", "description"))
+        self._group(SiteSettings, "name", "description", texts=("name", "description"))
         ui.html(say("app.site.demand"), tag="h3")
         of_site = [{"measure": PGA, "value": site[PGA]}] if PGA in site else []
         demands = self.project.several("demand") or of_site
@@ -47,30 +49,22 @@ class SitePart:
         self.demand = ui.element("div").classes("keys")
         self._show_demand(kind, demands)
         choice.on_value_change(self.page.handler(lambda event: self._choose(event.value)))
-        Panel(self.page, say("app.site.directions"), self._show_directions)
+        Panel(self.page, say("app.site.directions"), partial(self._group, RecordSettings, *DIRECTIONS))
         Panel(self.page, say("app.site.check"), self._show_check)
         Panel(self.page, say("app.site.hazard"), self._show_hazard_panel)
-        Panel(self.page, say("app.site.report"), self._show_head)
+        Panel(self.page, say("app.site.report"), partial(self._group, ReportSettings, *HEAD, texts=HEAD))
         self.fault = ui.label().classes("fault").props('role="alert"')
 
     def _group(self, cls: type[Section], *keys: str, texts: tuple[str, ...] = (), values: Any = None) -> None:
         """Show inputs of a section of the configuration, or of `values`."""
         values = self.project.section(cls.heading.strip("[]")) if values is None else values
-        self.groups.append(Fields(cls, values, self.page.changed).add(*keys, texts=texts))
-
-    def _show_directions(self) -> None:
         with ui.element("div").classes("keys"):
-            self._group(RecordSettings, "components", "azimuth", "include_vertical")
-
-    def _show_head(self) -> None:
-        with ui.element("div").classes("keys"):
-            self._group(ReportSettings, *HEAD, texts=HEAD)
+            self.groups.append(Fields(cls, values, self.page.changed).add(*keys, texts=texts))
 
     def _show_check(self) -> None:
         """Show the inputs of the check, and the picture of the records that are selected for its spectrum."""
-        with ui.element("div").classes("keys"):
-            self._group(CheckSettings, *CHECK)
-            self._group(SelectionSettings, "records")
+        self._group(CheckSettings, *CHECK)
+        self._group(SelectionSettings, "records")
         self.draw = self.page.button(say("app.site.spectra"), self._select)
         self.progress = Progress(self.page, "select")
         self.picture = ui.element("div").classes("picture")
@@ -96,15 +90,13 @@ class SitePart:
 
     def _show_hazard_panel(self) -> None:
         ui.label(say("app.site.hazard_intro")).classes("soft")
-        file_input(say("app.site.hazard_file"), "/hazard", self.page.handler(self._hazard_taken))
-        self.hazard = ui.element("div").classes("keys")
+        file_input(self.page, say("app.site.hazard_file"), "hazard", self._take_hazard)
+        self.hazard = ui.element("div").classes("wide")
         self._show_hazard()
 
-    def _hazard_taken(self, event: events.GenericEventArguments) -> None:
-        if not event.args["sending"]:
-            self._show_hazard()
-            self.page.shown_error()
-            refused(event.args["faults"])
+    async def _take_hazard(self) -> None:
+        self._show_hazard()
+        self.page.shown_error()
 
     def _show_hazard(self) -> None:
         self.hazard.clear()

@@ -68,16 +68,11 @@ class Motions:
         """Return the mean (earthquakes, ...) over the records of each earthquake, without unknown values (NaN)."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
-        counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
+        # The counts of a body are those of the next one, if the same results of both are known.
+        alike = values.ndim == 2 and bool(np.all(known == known[:, :1]))
+        counts = np.tensordot(own, known[:, :1] if alike else known, 1)
         with np.errstate(invalid="ignore"):
-            return np.asarray(sums / counts)
-
-    def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over earthquakes of the mean over each earthquake's records, without unknown values (NaN)."""
-        found = self.of_earthquakes(values)
-        known = ~np.isnan(found)
-        with np.errstate(invalid="ignore"):
-            return np.asarray(np.sum(found, axis=0, where=known) / known.sum(axis=0))
+            return np.asarray(np.tensordot(own, np.where(known, values, 0.0), 1) / counts)
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Return the mean probability of overturning of each body, from its probabilities (records, bodies).
@@ -92,11 +87,22 @@ class Motions:
         known = np.where(least == most, least, known)
         kept = np.ones(known.shape, dtype=bool) if left_out is None else self.kept(left_out)
         unknown = (np.isnan(known) & kept).sum(axis=0)
-        value, least, most = (self.mean(np.where(kept, one, np.nan)) for one in (known, least, most))
         of_events = self.of_earthquakes(np.where(kept, known, np.nan))
+        value = _mean(of_events)
+        if np.array_equal(least, most):
+            least = most = value
+        else:
+            least, most = (_mean(self.of_earthquakes(np.where(kept, one, np.nan))) for one in (least, most))
         low, high = probability_interval(of_events, self.event_counts(kept & ~np.isnan(known)))
         tables = (value, low, high, least, most, unknown)
         return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    """Return the mean over earthquakes of values (earthquakes, ...), without unknown values (NaN)."""
+    known = ~np.isnan(values)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sum(values, axis=0, where=known) / known.sum(axis=0))
 
 
 #: A margin is computed for each body, for each block with its worst restitution, or for each motion with its worst
@@ -171,10 +177,6 @@ class Answers:
         """The demands of the site, by name."""
         return stored_demands(self.summary)
 
-    def to_demand(self, demand: str) -> np.ndarray:
-        """Return the scale factors (records, bodies) that scale each record to a demand."""
-        return self.of_demand("demand_factor", demand)
-
     @cached_property
     def source(self) -> np.ndarray:
         """How each probability (records, bodies) was computed, in words."""
@@ -225,14 +227,14 @@ class Answers:
         """Return the scale factor (records, bodies) up to which no overturning was found, or its ratio to a demand."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
-        return reached if demand is None else reached / self.to_demand(demand)
+        return reached if demand is None else reached / self.of_demand("demand_factor", demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
         """Return the scale factors (records, bodies), or their ratio to the scale factors for a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
-            return np.asarray(self[self.factor] / self.to_demand(demand))
+            return np.asarray(self[self.factor] / self.of_demand("demand_factor", demand))
         return self.of_demand("capacity_ratio", demand)
 
     def of_demand(self, name: str, demand: str) -> np.ndarray:

@@ -65,7 +65,6 @@ def record_probability(
 
 
 def _no_ties(shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Return the variables of ties (bodies, demands, ties), filled with missing values."""
     return {name: np.full(shape, one.absent, dtype=one.kind) for name, one in OF_TIES.items()}
 
 

@@ -196,6 +196,7 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
     stays = kept.any(axis=0) & ~(lifted & kept).any(axis=0)
     sliding, first = _sliding(answers, demand, kept), slides_first(answers)
     margins, events = answers.margins(demand=demand, left_out=left_out), motions.event_counts(kept).tolist()
+    severity, idle, at_rest = np.where(left_out, 0.0, severity), near & ~kept, kept & ~lifted
     found = []
     for lane, (share, margin) in enumerate(zip(shares, margins, strict=True)):
         grade = Grade.AT_REST if stays[lane] else _grade(share, is_upper_bound(answers.model))
@@ -213,16 +214,16 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
                 earthquakes=events[lane],
                 motions=int(kept[:, lane].sum()),
                 left_out=int((~near[:, lane]).sum()),
-                weak=int((near & ~kept)[:, lane].sum()),
+                weak=int(idle[:, lane].sum()),
                 overturned=int(fallen[:, lane].sum()),
-                at_rest=int((kept & ~lifted)[:, lane].sum()),
+                at_rest=int(at_rest[:, lane].sum()),
                 median_rotation=float(np.median(known)) if known.size else math.nan,
                 largest_rotation=float(known.max(initial=-math.inf)) if known.size else math.nan,
                 others_rotation=float(np.fmax.reduce(known[np.isfinite(known)], initial=math.nan)),
                 margin=margin,
                 sliding=float(sliding[lane]),
                 slides_first=bool(first[lane]),
-                governing=_governing(ratio[:, lane], np.where(left_out, 0.0, severity)[:, lane]),
+                governing=_governing(ratio[:, lane], severity[:, lane]),
             )
         )
     return found
@@ -243,7 +244,7 @@ def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
     if demand is None:
         moved = answers["outcome"] != Outcome.AT_REST
         return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
-    return ~(answers[UPLIFT_RATIO] * answers.to_demand(demand) < _weakest(answers))
+    return ~(answers[UPLIFT_RATIO] * answers.of_demand("demand_factor", demand) < _weakest(answers))
 
 
 def _weakest(answers: Answers) -> float:
@@ -255,7 +256,7 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
     """Return a mask (records,) of records too weak to lift any body, with P = 0; none is marked if all are too weak."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
-    far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
+    far, factor = too_far(answers, demand), 1.0 if demand is None else answers.of_demand("demand_factor", demand)
     idle = (answers[UPLIFT_RATIO] * factor < _weakest(answers)) & (overturning_probabilities(answers, demand) == 0.0)
     found = np.asarray((idle | far).all(axis=1) & ~far.all(axis=1))
     return found & bool((~found & ~far.all(axis=1)).any())
@@ -268,7 +269,7 @@ def too_far(answers: Answers, demand: str | None) -> np.ndarray:
     """
     if demand is None:
         return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
-    factor = answers.to_demand(demand)
+    factor = answers.of_demand("demand_factor", demand)
     return ~np.asarray((factor >= FARTHEST[0]) & (factor <= FARTHEST[1]))
 
 

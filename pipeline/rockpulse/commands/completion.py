@@ -41,7 +41,6 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Yield the arguments of a parser and of the parsers of all verbs."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):

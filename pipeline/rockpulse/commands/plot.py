@@ -9,8 +9,6 @@ from rockpulse.errors import ConfigError
 
 
 class _List(argparse.Action):
-    """An option that prints the kinds of pictures and exits."""
-
     def __init__(self, option_strings: Any, dest: str, **options: Any) -> None:
         super().__init__(option_strings, dest, nargs=0, **options)
 

@@ -45,8 +45,6 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
 
 
 class _Escaping(logging.Formatter):
-    """Log formatter that escapes control characters."""
-
     def format(self, record: logging.LogRecord) -> str:
         """Format a log record as one or several lines."""
         return escaped(super().format(record))

@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import PurePath
 
 import numpy as np
@@ -66,20 +66,20 @@ def _id(record: Record, start: datetime | None, stem: str) -> str:
     return record_id(record.network, record.station, record.location, record.channel, start, stem, 1)
 
 
-def sample_digest(record: Record) -> str:
+def sample_digest(record: Record) -> bytes:
     """Return the SHA-256 of the samples and the interval, followed by the sign, + or -, of the last non-zero sample.
 
     If the sign is -, the hash is that of the negated samples: records of opposite polarity differ only in this sign.
     """
     turned = np.flatnonzero(record.acceleration)[-1:]
-    sign = "-" if np.any(record.acceleration[turned] < 0.0) else "+"
-    digest = hashlib.sha256((0.0 + (record.acceleration if sign == "+" else -record.acceleration)).data)
+    sign = b"-" if np.any(record.acceleration[turned] < 0.0) else b"+"
+    digest = hashlib.sha256((0.0 + (record.acceleration if sign == b"+" else -record.acceleration)).data)
     digest.update(f"{record.dt:.9g}".encode())
-    return digest.hexdigest() + sign
+    return digest.digest() + sign
 
 
 def settled(
-    records: Sequence[Record], digest: Callable[[Record], str]
+    records: Sequence[Record], digest: Callable[[Record], bytes]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
     """Return the sorted records without duplicates, each with its parts; records split into files are joined.
 
@@ -101,31 +101,30 @@ def _place(record: Record) -> tuple[str, str]:
 
 
 def _without_duplicates(
-    records: Sequence[Record], digest: Callable[[Record], str]
+    records: Sequence[Record], digest: Callable[[Record], bytes]
 ) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
     """Return the distinct records, a failure for each duplicate, and warnings by ``id(record)``.
 
     Of several duplicates, one with a known direction, start time or earthquake is preferred. A warning is given for a
     record that is kept as a different channel although a record of another file has the same samples.
     """
-    alike: dict[str, list[Record]] = defaultdict(list)
-    signs: dict[int, str] = {}
-    for record in records:
-        known = digest(record)
-        alike[known[:-1]].append(record)
-        signs[id(record)] = known[-1]
+    digests = {id(record): digest(record) for record in records}
+
+    def samples(record: Record) -> bytes:
+        return digests[id(record)][:-1]
+
     copies: dict[int, Failure] = {}
     twins: dict[int, WarningText] = {}
-    for group in alike.values():
+    for _, alike in groupby(sorted(records, key=samples), samples):
         kept: list[Record] = []
-        group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
+        group = sorted(alike, key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
         for record in group:
-            sign = signs[id(record)]
-            first = next((one for one in kept if signs[id(one)] == sign and _same_motion(one, record)), None)
+            known = digests[id(record)]
+            first = next((one for one in kept if digests[id(one)] == known and _same_motion(one, record)), None)
             if first is None:
                 twin = next((one for one in kept if one.source != record.source), None)
                 if twin is not None and not find(record.warnings, "dead_channel"):
-                    turned = SIGNS[1.0 if signs[id(twin)] == sign else -1.0]
+                    turned = SIGNS[1.0 if digests[id(twin)] == known else -1.0]
                     for one, other in ((twin, record), (record, twin)):
                         copy = WarningText("same_samples", other=last_part(other.source), turned=turned)
                         twins.setdefault(id(one), copy)

@@ -22,13 +22,14 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import PackedTask, carry_out, digest_of, packed_tasks, read_options, warm_up
+from rockpulse.run.tasks import PackedTask, TakenFrom, carry_out, digest_of, packed_tasks, read_options, warm_up
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
+Surveyed = tuple[list[Located], list[Failure], int]
 #: Smallest number of files or records per process; for fewer, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 
@@ -163,7 +164,7 @@ class _Batch:
         logger.info("%s: %s; left out: %s", output, written, left_out)
         return report
 
-    def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
+    def worked(self, found: list[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
         """Process the records and write the results file; return True if an earlier run had already written it."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         going_on = (options.resume or options.append) and not options.overwrite
@@ -227,27 +228,26 @@ class _Batch:
         warm_up(self.analysis)  # compile here once instead of in every worker
         return resources.enter_context(WorkerPool.local(int(workers)))
 
-    def surveyed(
-        self, pool: WorkerPool, found: Sequence[Found], failures: Sequence[Failure]
-    ) -> tuple[list[Located], list[Failure], int]:
-        """Return the channels (no samples), the failures, and the number of files that a resumed run reads again."""
+    def surveyed(self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]) -> Surveyed:
+        """Empty `found`; return channels (no samples), failures, and the number of files that a resumed run reads."""
         look = partial(survey_file, options=read_options(self.analysis.config))
-        surveys, rows, unread = [], list(failures), 0
+        located, rows, unread = list[Located](), list(failures), 0
         self.stop_at(rows)
         logger.info("reading %d files", len(found))
         with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
-            for one, survey in pool.run(look, found):
+            for one, survey in pool.run(look, TakenFrom(found)):
                 if isinstance(survey, WorkerLost):
                     rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
                     unread += 1
                     self.stop_at(rows)
                 else:
-                    surveys.append((one, survey))
+                    located += survey.located
+                    rows += survey.failures
                     unread += survey.broken_off
                     _log(survey.messages)
                     self.stop_at(survey.failures)
                 bar.update(1)
-        return *gather_survey(found, surveys, rows), unread
+        return *gather_survey(located, rows), unread
 
     def missing(self) -> list[PackedTask]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure if a task failed in an earlier run."""

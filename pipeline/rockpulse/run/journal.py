@@ -115,7 +115,7 @@ class Journal:
             self.run_id, self._started = frame.head["run"], frame.head["started"]
             self.appends = frame.head.get("appends", "")
             if "key" in frame.head:
-                self._kept[frame.head["key"]] = frame
+                self._keep(frame)
 
     @classmethod
     def open(
@@ -214,7 +214,7 @@ class Journal:
         rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind, row.remedy))] for row in done.failures]
         outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
         try:
-            self._kept[done.key] = self._append(outcome, done.parts)
+            self._keep(self._append(outcome, done.parts))
         except OSError as error:
             raise JournalError(
                 f"{self.path}: cannot store the result of {done.key}: {error.strerror or error}; the "
@@ -281,6 +281,11 @@ class Journal:
         frame = append(self._file, self._end, head, tuple(parts))
         self._end = frame.end
         return frame
+
+    def _keep(self, frame: Frame) -> None:
+        """Keep a frame of a task, without the parts of its head that all frames share, which saves memory."""
+        own = {name: frame.head[name] for name in ("fingerprint", "failures")}
+        self._kept[frame.head["key"]] = frame._replace(head=own)
 
     def _parts(self, key: str) -> tuple[bytes, ...] | None:
         try:

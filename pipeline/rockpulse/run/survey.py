@@ -3,7 +3,7 @@
 import hashlib
 import logging
 import traceback
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -27,7 +27,7 @@ class SamplesLocation:
     member: int | None  # index of the file in the archive; None outside archives
     channel: int  # index of the channel in the file, from 0
     source_sha256: str  # SHA-256 of the file
-    digest: str  # digest of samples and interval (`rockpulse.readers.parts.sample_digest`)
+    digest: bytes  # digest of samples and interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,10 +38,10 @@ class Located:
     parts: tuple[SamplesLocation, ...]  # several for a record split over several files
 
     @property
-    def digest(self) -> str:
+    def digest(self) -> bytes:
         """Return a digest that is equal for records with the same samples and sampling interval."""
         digests = [part.digest for part in self.parts]
-        return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
+        return digests[0] if len(digests) == 1 else hashlib.sha256(b" ".join(digests)).digest()
 
     def read(self, options: ReadOptions) -> Record:
         """Read the record again, with its samples, with the same options as in the first pass over the files.
@@ -83,7 +83,7 @@ def _archive(path: str, state: tuple[int, int, int]) -> Archive:
     return Archive(Path(path))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class FileSurvey:
     """The content of a file or archive: records without samples, and failures."""
 
@@ -113,7 +113,8 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
         for opened in open_files(found, folder_station_files):
             try:
                 for channel, record in enumerate(read_opened(opened, options)):
-                    place = SamplesLocation(name, opened.member, channel, record.source_sha256, sample_digest(record))
+                    path = record.source if record.source == name else name  # one string in memory
+                    place = SamplesLocation(path, opened.member, channel, record.source_sha256, sample_digest(record))
                     located.append(Located(record.without_samples(), (place,)))
             except Exception as fault:
                 leave_out(opened.name, fault)
@@ -129,21 +130,17 @@ def unexpected_fault(fault: BaseException) -> RuntimeError:
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
 
 
-def gather_survey(
-    found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
-) -> tuple[list[Located], list[Failure]]:
-    """Combine the contents of all files: join records that are split over several files, and collect the failures."""
-    by_file = {str(one.path): survey for one, survey in surveys}
-    ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
-    located = {id(one.record): one for survey in ordered for one in survey.located}
-    rows = [*failures, *(row for survey in ordered for row in survey.failures)]
-    records = [one.record for one in located.values()]
-    whole, duplicates = settled(records, lambda record: located[id(record)].digest)
-    joined = [
-        Located(
-            record if len(pieces) == 1 else record.without_samples(),
-            tuple(part for piece in pieces for part in located[id(piece)].parts),
-        )
-        for record, pieces in whole
-    ]
-    return joined, sorted([*rows, *duplicates], key=in_order)
+def gather_survey(located: list[Located], failures: Iterable[Failure]) -> tuple[list[Located], list[Failure]]:
+    """Combine the contents of all files: join records that are split over several files, and add the failures."""
+    located.sort(key=lambda one: one.parts[0].path)  # the files are finished in any order
+    of_record = {id(one.record): one for one in located}
+    whole, duplicates = settled([one.record for one in located], lambda record: of_record[id(record)].digest)
+    joined = []
+    for record, pieces in whole:
+        one = of_record[id(pieces[0])]
+        if len(pieces) > 1:
+            record = record.without_samples()
+        if one.record is not record:
+            one = Located(record, tuple(part for piece in pieces for part in of_record[id(piece)].parts))
+        joined.append(one)
+    return joined, sorted([*failures, *duplicates], key=in_order)

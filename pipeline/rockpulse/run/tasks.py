@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import get_ident
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from rockpulse.selection.tables import demand_selections, selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
+Item = TypeVar("Item")
 #: For each command, the sections of the configuration that do not affect the numbers of a record.
 IDLE = {
     "assess": {"site", "report", "calibration", "selection", "fragility", "hazard", "check"},
@@ -87,17 +88,18 @@ class Task:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PackedTask:
-    """A task as compressed bytes, which need less than half of its memory."""
+    """A task as compressed bytes, which need a fifth of its memory."""
 
     key: str
     fingerprint: str
     content: bytes
+    pattern: bytes  # dictionary of the compression; all tasks of a run share it
 
     @property
     def task(self) -> Task:
         """Return the unpacked task."""
-        found: Task = pickle.loads(zlib.decompress(self.content))
-        return found
+        planned, places = pickle.loads(zlib.decompressobj(zdict=self.pattern).decompress(self.content))
+        return Task(planned, places, self.fingerprint)
 
     @property
     def source(self) -> str:
@@ -109,15 +111,29 @@ def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: 
     """Return the packed tasks of :func:`tasks_of`; both lists are emptied step by step, which saves memory."""
     places = {one.record.id: one.parts for one in channels}
     channels.clear()
-    tasks = _tasks(_taken_from(planned), places, config, verb)
-    return [PackedTask(one.key, one.fingerprint, zlib.compress(pickle.dumps(one, 5), 1)) for one in tasks]
+    packed: list[PackedTask] = []
+    for one in _tasks(TakenFrom(planned), places, config, verb):
+        content = pickle.dumps((one.planned, one.places), 5)
+        pattern = packed[0].pattern if packed else content
+        press = zlib.compressobj(1, zdict=pattern)
+        packed.append(PackedTask(one.key, one.fingerprint, press.compress(content) + press.flush(), pattern))
+    return packed
 
 
-def _taken_from(planned: list[PlannedMotion]) -> Iterator[PlannedMotion]:
-    """Yield the elements of a list in their order, and remove each element from the list."""
-    planned.reverse()
-    while planned:
-        yield planned.pop()
+class TakenFrom(Iterator[Item]):
+    """Iterates over the elements of a list in their order, and removes each element from the list."""
+
+    def __init__(self, items: list[Item]) -> None:
+        self._left = items
+        items.reverse()
+
+    def __next__(self) -> Item:
+        if not self._left:
+            raise StopIteration
+        return self._left.pop()
+
+    def __length_hint__(self) -> int:
+        return len(self._left)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
@@ -200,7 +216,7 @@ def program_digest() -> str:
 
 def _facts_of(record: Record, places: tuple[SamplesLocation, ...]) -> list[str]:
     known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
-    return [Located(record, places).digest, str(record.npts), *known]
+    return [Located(record, places).digest.hex(), str(record.npts), *known]
 
 
 def _digest(texts: Iterable[str]) -> str:

@@ -4,11 +4,12 @@ import logging
 import pickle
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import length_hint
 from typing import Any, Self, TypeVar
 
 from rocking.lanes import available_cores
@@ -115,7 +116,7 @@ class WorkerPool:
             yield from ((item, function(item)) for item in items)
             return
         waiting, again, once = iter(items), list[Item](), Once(function)
-        unsent, size = (len(items) if isinstance(items, Sequence) else LARGEST_GROUP**2), 1
+        unsent, size = length_hint(items, LARGEST_GROUP**2), 1
         running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
             while True:

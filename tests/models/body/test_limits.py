@@ -79,10 +79,10 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
     assert np.array_equal(rebound_of("sorrentino", alpha, rectangle=True), sorrentino(alpha))
     squat = np.arctan([1.0 / 5.0, 1.0 / 1.414])
     for given, slender, rectangle, words in (
-        ([0.5, 1.01], alpha, True, "expected the share e"),
-        ([-0.01, 0.5], alpha, True, "expected the share e"),
+        ([0.5, 1.01], alpha, True, "expected the ratio e"),
+        ([-0.01, 0.5], alpha, True, "expected the ratio e"),
         ("half", alpha, True, "'half'"),
-        ("sorrentino", alpha, False, "'sorrentino' is stated for rectangles"),
+        ("sorrentino", alpha, False, "'sorrentino' is valid for rectangles only"),
         ("sorrentino", squat, True, r"slenderness above 1\.414, got 1\.41; "),
     ):
         with pytest.raises(ValueError, match=f"^rebound: .*{words}"):
@@ -91,14 +91,14 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
 
 @pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
 def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
-    with pytest.raises(ValueError, match="restitution: expected none for a one-sided body"):
+    with pytest.raises(ValueError, match="restitution: not for a one-sided body"):
         Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
 
 
 def test_a_wall_asks_for_the_rebound_of_bodies_that_are_no_rectangles():
-    with pytest.raises(ValueError, match="'sorrentino' is stated for rectangles"):
+    with pytest.raises(ValueError, match="'sorrentino' is valid for rectangles only"):
         Block.from_corners(0.2, 0.3, 1.0, 0.6, one_sided=True)
-    with pytest.raises(ValueError, match="'sorrentino' is stated for rectangles"):
+    with pytest.raises(ValueError, match="'sorrentino' is valid for rectangles only"):
         Block.from_parameters(2.0, 0.2, "housner", one_sided=True)
     assert Block.from_parameters(2.0, 0.2, "housner", one_sided=np.True_, rebound=0.4).restitution_2 == 0.4
 
@@ -290,7 +290,7 @@ def test_a_thrust_that_balances_the_weight_turns_the_body_over(towards):
             return Block(width=[0.9, 0.5], height=3.0, **held)
 
         assert made(1.0 - 1e-12).shape == free.shape
-        with pytest.raises(ValueError, match="expected forces under which the body stands"):
+        with pytest.raises(ValueError, match="expected forces that leave the body at rest"):
             made(1.0)
         if towards < 0.0:  # a wall holds it
             assert np.all(made(5.0, one_sided=True, **({"rebound": 0.5} if place else {})).side == 1)
@@ -308,7 +308,7 @@ def test_what_rests_on_a_body_holds_it_against_a_thrust_on_both_sides(towards):
         return Block.from_corners(0.2, 0.35, 1.1, 0.6, mass=900.0, gravity=G, loads=loads, thrusts=[thrust])
 
     assert made(1.0 - 1e-9).restraints.loads == tuple(loads)
-    with pytest.raises(ValueError, match="expected forces under which the body stands"):
+    with pytest.raises(ValueError, match="expected forces that leave the body at rest"):
         made(1.0 + 1e-9)
 
 

@@ -230,8 +230,8 @@ def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"rebound": 0.5}, "rebound: expected none without one_sided=True"),
-        ({"loads": [Load(1e3, 2.0)]}, "with a load that moves with it"),
+        ({"rebound": 0.5}, "rebound: only for a body with one_sided=True"),
+        ({"loads": [Load(1e3, 2.0)]}, "because a load moves with the body"),
         ({"one_sided": "yes"}, "one_sided: expected True or False"),
     ],
 )
@@ -257,5 +257,5 @@ def test_what_a_march_cannot_do_is_refused():
         recorded_response(held, motion, 0.01, initial_velocity=0.01 * held.side)
     with pytest.raises(ValueError, match="expected 'nonlinear' for a body with ties"):
         recorded_response(tied, motion, 0.01, "linear")
-    with pytest.raises(ValueError, match="two unlike corners"):
+    with pytest.raises(ValueError, match="two different corners"):
         recorded_response(Block.from_corners(0.2, 0.3, 1.0, 0.6), motion, 0.01, "linear", gain="tangent")

@@ -131,7 +131,7 @@ def test_half_waves_follow_one_another_with_centroids_inside():
     assert [one.tolist() for one in checked_half_waves(*waves)] == list(waves)
     assert [one.tolist() for one in checked_half_waves(0.5, 0.7, 1.0, 2.0)] == [[0.5], [0.7], [1.0], [2.0]]
     for place, value, words in (
-        (0, [0.0, 1.0 - 2e-9, 2.0], "one after the other"),
+        (0, [0.0, 1.0 - 2e-9, 2.0], "in order and without overlap"),
         (1, [-0.01, 2.0, 2.5], "start <= centroid <= end"),
         (1, [0.0, 2.001, 2.5], "start <= centroid <= end"),
         (3, [0.1, -np.inf, 0.1], "finite"),

@@ -76,8 +76,8 @@ def test_the_socket_needs_the_cookie(page):
 
 
 def test_uploads_are_bounded(page):
-    assert answer(page, "/upload?name=a", {"Content-Length": str(10**12)}, method="POST").status == 413
-    assert answer(page, "/table?name=a", {"Content-Length": str(10**8)}, method="POST").status == 413
+    assert answer(page, "/upload/records?name=a", {"Content-Length": str(10**12)}, method="POST").status == 413
+    assert answer(page, "/upload/bodies?name=a", {"Content-Length": str(10**8)}, method="POST").status == 413
     assert answer(page, "/", {"Transfer-Encoding": "chunked"}, method="POST").status == 411
 
 
@@ -89,11 +89,11 @@ def test_only_files_of_the_project_are_sent(page, name):
 def test_requests_that_the_browser_cuts_off_leave_no_file_and_no_traceback(page):
     """The program would print the traceback, which the end of `served` refuses."""
     host = f"Host: 127.0.0.1:{page.port}\r\nCookie: rockpulse{page.port}={page.token}\r\n"
-    asked = [f"POST /upload?name=a.zip HTTP/1.1\r\n{host}Content-Length: 100\r\n\r\npart"]
+    asked = [f"POST /upload/records?name=a.zip HTTP/1.1\r\n{host}Content-Length: 100\r\n\r\npart"]
     asked += [f"GET /files/site.toml HTTP/1.1\r\n{host}\r\n"] * 20
     for request in asked:
         with socket.create_connection(("127.0.0.1", page.port)) as cut:
             cut.sendall(request.encode())
             time.sleep(0.02 if "POST" in request else 0.0)
     assert answer(page).status == 200
-    assert [path for path in (page.folder / "records").iterdir() if path.is_file()] == []
+    assert [path.name for path in page.folder.rglob("*") if path.is_file()] == []

@@ -89,24 +89,36 @@ def test_a_wrong_configuration_is_not_written(tmp_path):
         project.load()
 
 
-def test_tables_of_bodies_are_added(tmp_path):
+@pytest.fixture
+def sent(tmp_path_factory):
+    """Writes a file that the browser has sent."""
+    folder = tmp_path_factory.mktemp("sent")
+
+    def write(content, name="sent.csv"):
+        (folder / name).write_bytes(content)
+        return folder / name
+
+    return write
+
+
+def test_tables_of_bodies_are_added(tmp_path, sent):
     project = Project(tmp_path)
-    table = b"name,width [cm],height [m],colour\nstele,30,2.4,grey\n"
+    table = sent(b"name,width [cm],height [m],colour\nstele,30,2.4,grey\n")
     assert project.add_table("bodies.csv", table) == "bodies.csv: columns not used: colour"
     assert project.several("block") == [{"name": "stele", "width": 0.3, "height": 2.4}]
     with pytest.raises(ConfigError, match="names must differ"):
         project.add_table("bodies.csv", table)
     with pytest.raises(ConfigError, match=r"^a.csv: column"):
-        project.add_table("a.csv", b"name,width,height [m]\nb,1,2\n")
+        project.take("bodies", "a.csv", sent(b"name,width,height [m]\nb,1,2\n"))
     assert [path.name for path in tmp_path.iterdir()] == ["site.toml"]
 
 
-def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path):
+def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path, sent):
     project = Project(tmp_path)
     for content in (b"1", b"1", b"2"):
-        path = project.place_for("a/columns.txt")
-        path.write_bytes(content)
-        project.keep_if_new(path)
+        project.add_record("a/columns.txt", sent(content))
+    with pytest.raises(ConfigError, match="a file has the name of this folder"):
+        project.add_record("a/columns.txt/b.txt", sent(b"3"))
     first, second = (project.name_of(str(path)) for path in project.record_files())
     assert (first, second) == ("records/a/columns-2.txt", "records/a/columns.txt")
     assert project.remedy(second, "units", "g") == ""
@@ -131,14 +143,14 @@ def test_the_error_of_a_body_names_its_key():
     assert str(large).endswith(large.remedies[0].advice())
 
 
-def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
+def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path, sent):
     project = Project(tmp_path)
     project.section("hazard").update(k0=1e-3, k=2.5, years=100)
-    project.set_hazard("curve.csv", b"pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    project.set_hazard("curve.csv", sent(b"pga [g],rate\n0.1,0.01\n0.4,0.0005\n"))
     assert project.config().hazard == rp.HazardSettings(file="hazard.csv", years=100.0)
     assert rp.load_hazard(tmp_path / "hazard.csv").rate(0.4 * 9.80665) == pytest.approx(0.0005)
     with pytest.raises(ConfigError, match=r"^levels\.csv"):
-        project.set_hazard("levels.csv", b"level,rate\n")
+        project.take("hazard", "levels.csv", sent(b"level,rate\n"))
     assert (tmp_path / "hazard.csv").read_bytes().startswith(b"pga [g],rate")  # the good one stays
     assert sorted(path.name for path in tmp_path.iterdir()) == ["hazard.csv", "site.toml"]
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import answers, motions, probable, summary_of, verdict
+from report_cases import answers, motions, probable, summary_of, turned, verdict
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
@@ -192,15 +192,6 @@ def test_the_record_of_the_smallest_factor_governs():
     assert (found.deciding.governing, found.recorded.governing, found.deciding.margin.smallest) == (0, 1, 0.5)
 
 
-def turned(rotations, **options):
-    """A summary at a demand whose records turn the nominal body so far, over alpha_c; inf: they overturn it."""
-    rotations = np.array(rotations, dtype=float)
-    outcome = np.select([np.isinf(rotations), np.isnan(rotations)], [Outcome.OVERTURNS, Outcome.UNRESOLVED], 1)
-    own = {"demand_rotation_ratio": rotations, "demand_outcome": outcome}
-    summary = probable([0.0] * rotations.size, at_demand=[0.0] * rotations.size, demand=1.0, **options)
-    return summary.assign({name: ((*OF[:2], "demand"), values[:, None, None]) for name, values in own.items()})
-
-
 def test_rotations_at_the_demand_with_overturned_ones_counted_as_such():
     found = verdict(turned([0.1, INF, 0.3, 0.2, NAN])).deciding
     assert (found.overturned, found.motions, found.others_rotation, found.largest_rotation) == (1, 5, 0.3, INF)
@@ -274,6 +265,7 @@ def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn()
         ([INF, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
         ([2.0, 2.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.ROCKS),
         ([1.9, 1.8, 1.7, 4.0, 4.0], None, Grade.OVERTURNS),
+        ([NAN] * 5, None, Grade.NOT_KNOWN),
         ([3.0, 4.0], None, Grade.NO_VERDICT),
     ],
 )
@@ -396,6 +388,6 @@ def test_sliding_is_one_column_without_infinities(friction, share, words):
 
 def row(found, every, selected):
     """The cells of the only body of a table of verdicts."""
-    values = verdict_rows(found, [(one, one.deciding) for one in every], [Cell("")] * 5)
+    values = verdict_rows(found, [(one, one.deciding) for one in every], lambda record: Cell(""))
     (cells,) = filled(selected, values)
     return cells

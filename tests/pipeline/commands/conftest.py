@@ -4,6 +4,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from results_tree import results_bytes
 
 from rockpulse import cli
 from rockpulse.storage.hdf5 import results_file
@@ -35,6 +36,14 @@ def loaded_once():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(results_file, "load_tree", lambda path: kept(path, Path(path).stat().st_mtime_ns))
         yield
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory):
+    """The name of a file of results that are known."""
+    path = tmp_path_factory.mktemp("results") / "results.h5"
+    path.write_bytes(results_bytes())
+    return str(path)
 
 
 @pytest.fixture(scope="session")

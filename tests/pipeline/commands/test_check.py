@@ -72,15 +72,3 @@ def test_other_bodies_of_the_same_name_bring_no_probability(golden, tmp_path, ca
 def test_a_file_of_another_kind_is_refused(golden, capsys):
     assert main(["check", str(golden.site)]) == 2
     assert "site.h5: expected an assessment file, found a site calibration file" in capsys.readouterr().err
-
-
-def test_wrong_arguments_are_reported(site, tmp_path, capsys):
-    assert main(["check"]) == 2
-    assert "expected a results file or --config" in capsys.readouterr().err
-    with pytest.raises(SystemExit) as error:
-        main(["check", "--config", str(site), "--code", "asce"])
-    assert error.value.code == 2
-    bare = tmp_path / "bare.toml"
-    bare.write_text('[[block]]\nname = "wall"\nwidth = 0.4\nheight = 4.0\n')
-    assert main(["check", "--config", str(bare)]) == 2
-    assert "[check]: no design spectrum is given" in capsys.readouterr().err

@@ -61,9 +61,7 @@ def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, capsys):
     assert path.read_bytes() == (folder / "a.AT2").read_bytes()
 
 
-def test_usage_is_exit_code_two_before_anything_is_read(folder, capsys):
-    assert main(["convert", str(folder), "-o", str(folder / "out.doc")]) == 2
-    assert "expected a format, one of at2, csv, mseed" in capsys.readouterr().err
+def test_a_file_that_exists_is_replaced_where_allowed(folder, capsys):
     arguments = ["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--quiet"]
     assert main(arguments) == 0
     assert main(arguments) == 2

@@ -3,22 +3,20 @@
 import re
 
 import pytest
-from results_tree import results_bytes, results_tree
+from results_tree import results_tree
 
 from rockpulse.cli import main
 from rockpulse.storage.hdf5.results_file import save
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory):
+def files(results, tmp_path_factory):
     """Results, and the same with a PGA that is larger by a millionth."""
-    folder = tmp_path_factory.mktemp("results")
-    first, second = folder / "a.h5", folder / "b.h5"
-    first.write_bytes(results_bytes())
+    second = tmp_path_factory.mktemp("larger") / "b.h5"
     tree = results_tree()
     tree["summary"]["pga"].values[1] *= 1.0 + 1e-6
     save(tree, second)
-    return str(first), str(second)
+    return results, str(second)
 
 
 def test_exit_code_zero_where_the_results_are_the_same(files, capsys):
@@ -60,20 +58,3 @@ def test_one_screen_or_all_of_it(files, tmp_path, capsys):
     assert shown == 6
     assert whole.count("  /summary/") == shown + more
     assert "--full" not in whole
-
-
-@pytest.mark.sweep
-def test_an_unknown_variable_to_ignore_is_exit_code_two(files, capsys):
-    assert main(["diff", *files, "--ignore", "nonsense"]) == 2
-    assert "no variable 'nonsense'" in capsys.readouterr().err
-
-
-@pytest.mark.sweep
-def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
-    (tmp_path / "notes.txt").write_text("no results")
-    assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2
-    assert "not a rockpulse results file" in capsys.readouterr().err
-    assert main(["diff", files[0], str(tmp_path / "none.h5")]) == 2
-    with pytest.raises(SystemExit) as end:
-        main(["diff", *files, "--rtol", "-1"])
-    assert end.value.code == 2

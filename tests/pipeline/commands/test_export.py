@@ -3,17 +3,10 @@
 import pandas as pd
 import pytest
 import xarray as xr
-from results_tree import RECORDS, demanding, results_bytes, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.cli import main
 from rockpulse.storage.hdf5.results_file import save
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory):
-    path = tmp_path_factory.mktemp("results") / "results.h5"
-    path.write_bytes(results_bytes())
-    return str(path)
 
 
 def test_a_table_and_its_readme(results, tmp_path, capsys):
@@ -45,23 +38,6 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
     assert pd.read_csv(tmp_path / "r.csv")["record"].tolist() == RECORDS[:2]
     assert main(["export", results, "-o", str(tmp_path / "l.csv"), "--limit", "5"]) == 0
     assert "l.csv: 5 of 27 rows" in capsys.readouterr().out
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--descending"], "--descending: needs --sort"),
-        (["--group", "nothing"], "no group 'nothing'"),
-        (["--rows", ""], "expected at least one dimension"),
-        (["--columns", ","], "expected at least one column"),
-        (["--group", "failures", "--record", "weak.1"], "no record to filter by"),
-    ],
-)
-def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, capsys, options, said):
-    assert main(["export", results, "-o", str(tmp_path / "t.csv"), *options]) == 2
-    assert said in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.sweep

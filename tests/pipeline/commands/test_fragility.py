@@ -23,8 +23,6 @@ def test_inspect_shows_the_curves_of_a_file(golden, capsys):
     assert re.search(r"stele +overturning +[0-9.]+ +", shown)
     assert main(["inspect", str(golden.fragility), "--failures"]) == 0
     assert "nothing failed" in capsys.readouterr().out
-    assert main(["inspect", str(golden.fragility), "--record", "x"]) == 2
-    assert "this is a fragility file" in capsys.readouterr().err
 
 
 def test_without_a_configuration_the_blocks_of_the_command_line_are_enough(tmp_path, monkeypatch, capsys):

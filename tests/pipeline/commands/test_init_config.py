@@ -9,10 +9,6 @@ def test_the_template_that_is_written_is_a_configuration(tmp_path, capsys):
     assert main(["init-config", "-o", str(target)]) == 0
     assert str(target) in capsys.readouterr().out
     assert [block.name for block in load_config(target).bodies] == ["block"]
-
-
-def test_a_file_that_exists_is_left_alone(tmp_path, capsys):
-    target = tmp_path / "site.toml"
     target.write_text("mine")
     assert main(["init-config", "-o", str(target)]) == 2
     assert "the file exists" in capsys.readouterr().err

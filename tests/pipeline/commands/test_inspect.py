@@ -5,20 +5,14 @@ import shutil
 import h5py
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_bytes, results_tree
+from results_tree import RECORDS, results_tree
 
 from rockpulse.cli import main
 from rockpulse.run.journal import Journal
 from rockpulse.run.tasks import Done
 from rockpulse.storage.hdf5.results_file import save
 
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory, loaded_once):
-    """The tree in a file."""
-    path = tmp_path_factory.mktemp("results") / "results.h5"
-    path.write_bytes(results_bytes())
-    return str(path)
+pytestmark = pytest.mark.usefixtures("loaded_once")
 
 
 @pytest.mark.sweep
@@ -54,22 +48,6 @@ def test_record_block_and_failures_together(results, capsys):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("option", ["--record", "--block"])
-def test_an_unknown_name_is_exit_code_two_with_the_known_ones(results, capsys, option):
-    assert main(["inspect", results, option, "nobody"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "there are:\n  " in captured.err
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize(("kind", "words"), [("site", "not enough earthquakes (5;"), ("fragility", "stele")])
-def test_every_kind_of_file_is_shown(golden, kind, words, capsys):
-    assert main(["inspect", str(getattr(golden, kind))]) == 0
-    assert words in capsys.readouterr().out
-
-
-@pytest.mark.sweep
 def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     assert (
         main(["inspect", results, "--outcome", "overturns", "--model", "resonance", "--sort", "pga", "--limit", "3"])
@@ -86,13 +64,6 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     out = capsys.readouterr().out
     assert out.startswith("3 bodies, largest slenderness first")
     assert out.endswith("skipped (find) notes.txt: no record\n")
-
-
-@pytest.mark.sweep
-def test_worst_does_not_go_with_another_order_or_list(results, capsys):
-    for beside in (["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]):
-        assert main(["inspect", results, "--worst", "2", *beside]) == 2
-        assert f"cannot be combined with {beside[0]}; use --sort" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("gone", ["pga", pytest.param("record", marks=pytest.mark.sweep)])
@@ -142,9 +113,11 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
     assert "secondary impulse I_s" in capsys.readouterr().out  # one record: in detail
 
 
-def test_files_that_are_shown_whole_take_no_filters(golden, capsys):
-    assert main(["inspect", str(golden.site), "--records", "--worst", "3"]) == 2
-    assert "--records, --worst: only for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err
+@pytest.mark.parametrize("kind", ["site", "fragility"])
+def test_files_that_are_shown_whole_take_no_filters(golden, kind, capsys):
+    assert main(["inspect", str(getattr(golden, kind)), "--records", "--worst", "3"]) == 2
+    said = f"--records, --worst: only for results of 'rockpulse assess'; this is a {kind} file"
+    assert said in capsys.readouterr().err
 
 
 def test_an_unfinished_run_is_shown_with_its_progress(tmp_path, capsys):

@@ -75,28 +75,6 @@ def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, capsys):
     row = shown.split("Bodies that have survived")[1].split("stele")[1].splitlines()[0].split()
     assert float(row[0]) == pytest.approx(0.0498, rel=2e-2)
     assert float(row[2]) == pytest.approx(0.9986, rel=6e-3)
-    assert main(["risk", str(fragility), "--age", "100", "--limit-state", "uplift"]) == 2
-    assert "--age: expected --limit-state overturning" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("option", [["--limit-state", "0.4"], ["--resamples", "3"]])
-def test_what_an_inventory_does_not_know_is_refused(fragility, option, capsys):
-    assert main(["risk", str(fragility), "--bodies", "bodies.csv", *option]) == 2
-    assert "--bodies: cannot be combined with --limit-state or --resamples" in capsys.readouterr().err
-
-
-def test_wrong_arguments_are_reported(fragility, tmp_path, capsys):
-    assert main(["risk", str(fragility), "--hazard", str(tmp_path / "none.csv")]) == 2
-    assert "no such file; expected a hazard curve" in capsys.readouterr().err
-    (tmp_path / "bare.toml").write_text("")
-    assert main(["risk", str(fragility), "--config", str(tmp_path / "bare.toml")]) == 2
-    assert "expected a file or the power law" in capsys.readouterr().err
-    both = ["--hazard", "x.csv", "--config", "x.toml"]
-    assert main(["risk", str(fragility), *both]) == 2
-    assert "expected one source of the hazard" in capsys.readouterr().err
-    (tmp_path / "there.csv").write_text("")
-    assert main(["risk", str(fragility), "-o", str(tmp_path / "there.csv")]) == 2
-    assert "the file exists" in capsys.readouterr().err
 
 
 @pytest.mark.slow

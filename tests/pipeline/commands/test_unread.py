@@ -123,18 +123,3 @@ def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, ve
 def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
     assert main(["convert", str(folder), "-o", str(tmp_path / "all.mseed"), "--quiet"]) == 1
     assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")
-
-
-@pytest.mark.parametrize(
-    ("name", "advice"),
-    [
-        ("r.csv", "rockpulse export r.h5 -o r.csv"),
-        ("r.svg", "rockpulse plot r.h5 -o r.svg"),
-        ("site.toml", "such as site.h5, found the suffix .toml"),
-    ],
-)
-def test_a_name_that_tells_table_or_picture_is_refused_at_once(tmp_path, capsys, monkeypatch, name, advice):
-    monkeypatch.chdir(tmp_path)
-    assert main(["fragility", "absent.AT2", *BLOCK, "-o", name]) == 2
-    assert advice in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from batch_runs import gathered
 from record_writers import at2, pulse
 
 from rockpulse import (
@@ -31,7 +32,7 @@ from rockpulse import (
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
 from rockpulse.readers.folders import find_files, read_all
-from rockpulse.run.survey import gather_survey, survey_file
+from rockpulse.run.survey import survey_file
 from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
 from rockpulse.selection.directions import conditioned_motions, planned_ids
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
@@ -55,7 +56,7 @@ def config(**records):
 
 def surveyed(paths, read):
     found, failures = find_files(paths)
-    return gather_survey(found, [(file, survey_file(file, read)) for file in found], failures)
+    return gathered([survey_file(file, read) for file in found], failures)
 
 
 #: The same of files that stay as they are.

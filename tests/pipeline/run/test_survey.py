@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from batch_runs import gathered
 from record_writers import at2, pulse
 from record_writers.renadic import renadic
 
@@ -16,7 +17,7 @@ from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.run import survey
-from rockpulse.run.survey import gather_survey, survey_file
+from rockpulse.run.survey import survey_file
 
 OPTIONS = ReadOptions()
 
@@ -24,8 +25,8 @@ OPTIONS = ReadOptions()
 def surveyed(paths, options=OPTIONS):
     found, failures = find_files(paths)
     # In any order, and as they come back from another process.
-    surveys = [(one, pickle.loads(pickle.dumps(survey_file(one, options)))) for one in reversed(found)]
-    return gather_survey(found, surveys, failures)
+    surveys = [pickle.loads(pickle.dumps(survey_file(one, options))) for one in reversed(found)]
+    return gathered(surveys, failures)
 
 
 def known(record: Record) -> dict[str, object]:
@@ -229,15 +230,6 @@ def test_a_fault_of_the_program_costs_one_member(tmp_path, monkeypatch, fault, r
     assert reason in row.reason
     ((_, _, text),) = result.messages
     assert "Traceback" in text
-
-
-def test_a_file_whose_survey_was_lost_is_left_to_its_row(tmp_path):
-    for name in ("a", "b"):
-        (tmp_path / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
-    found, _ = find_files(tmp_path)
-    located, rows = gather_survey(found, [(found[1], survey_file(found[1], OPTIONS))], [])
-    assert [one.record.id for one in located] == ["b.090"]
-    assert rows == []
 
 
 def test_a_fault_of_the_program_on_opening_costs_one_file(tmp_path, monkeypatch):

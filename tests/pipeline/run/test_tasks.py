@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from batch_runs import gathered
 from nominal import Config, ida
 from record_writers import at2, pulse
 from record_writers.geonet import geonet
@@ -28,7 +29,7 @@ from rockpulse.readers.folders import find_files, read_all
 from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.survey import gather_survey, survey_file
+from rockpulse.run.survey import survey_file
 from rockpulse.run.tasks import carry_out, read_options, tasks_of
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
@@ -67,8 +68,7 @@ CONFIGURATIONS = {
 def planned(paths, analysis):
     """The tasks of an analysis, and what is plan for it."""
     found, failures = find_files(paths)
-    surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
-    located, rows = gather_survey(found, surveys, failures)
+    located, rows = gathered([survey_file(one, read_options(analysis.config)) for one in found], failures)
     plan = analysis.plan([one.record for one in located], rows)
     return tasks_of(plan.planned, located, analysis.config, analysis.name), plan
 

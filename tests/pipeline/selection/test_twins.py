@@ -190,7 +190,7 @@ def test_candidates_among_ten_thousand_headers_are_found_quickly():
     for number in range(10_000):
         times = np.cumsum(rng.uniform(0.5, 3.0, 5)).tolist()
         moved = {"id": f"r{number}", "source": f"f{number}", "start_time": START + timedelta(seconds=80.0 * number)}
-        records.append(replace(one.without_samples(), **moved, outline=(one.npts, 1.0, *times)))
+        records.append(replace(one.without_samples(), **moved, outline=np.array((one.npts, 1.0, *times)).tobytes()))
     records.append(replace(records[400], id="twin", source="twin", start_time=START))
     began = time.perf_counter()
     assert id(records[-1]) in clock_candidates(records)

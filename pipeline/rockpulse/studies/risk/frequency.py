@@ -70,8 +70,6 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
 
 
 class _RiskOptions(NamedTuple):
-    """The options that are the same for every body."""
-
     family: Family
     hazard: Hazard
     years: float

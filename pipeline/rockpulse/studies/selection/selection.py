@@ -247,23 +247,10 @@ def fitting_set(
     per_event: int = 1,
     tolerance: tuple[float, float] = (0.1, 0.3),
 ) -> SpectrumSet:
-    """Return the set of `count` spectra whose mean is nearest to the target.
+    """Return the set of `count` spectra whose mean is nearest to the target, from (m, k) `ratios` of spectra to it.
 
-    Parameters
-    ----------
-    ratios : (m, k) ndarray
-        Spectra divided by the target at k periods [-].
-    events : sequence of str
-        Earthquake of each spectrum.
-    count : int
-        Number of members; the earthquakes must have enough spectra with a scale factor within the bounds.
-    bounds : (2,) tuple of float
-        Smallest and largest scale factor [-].
-    per_event : int
-        Largest number of members of one earthquake.
-    tolerance : (2,) tuple of float
-        Allowed deviations of the mean below and above the target [-]. If the common factor that centres the deviations
-        does not keep them within these limits, another common factor is used if one does.
+    The earthquakes must have enough spectra with a scale factor within the bounds. If the common factor that centres
+    the deviations does not keep them within the tolerance below and above the target, another one is used if it does.
     """
     own = own_factors(ratios, bounds)
     usable = np.flatnonzero(np.isfinite(own))
@@ -281,7 +268,6 @@ def fitting_set(
 
 
 def _spread(ratios: np.ndarray) -> np.ndarray:
-    """Return the largest value divided by the smallest value, over the last axis."""
     return np.asarray(ratios.max(axis=-1) / ratios.min(axis=-1))
 
 

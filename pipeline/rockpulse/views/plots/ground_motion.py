@@ -20,14 +20,11 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
 from rockpulse.views.shared.formatting import fixed, three_digits
-from rockpulse.views.shared.record_facts import Known, RecordFacts
+from rockpulse.views.shared.record_facts import Known, facts_of
 from rockpulse.views.shared.words import say
-from rockpulse.warning_text import with_codes
 
 #: Advice if the samples of a record are not in the file.
 STORE = 'the file does not contain the accelerograms; assess again with [records] store = "all"'
-#: Stored variables whose name differs from that of the field of a record.
-_FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s^-2", dims=("sample",))
 _TIME = real("time from the first sample", "s", dims=("sample",))
 
@@ -107,9 +104,7 @@ def motion_of_record(
             **{name: RECORD[name].variable(value, ()) for name, value in scalars.items()},
         }
     )
-    codes = with_codes(record.warnings)[1]
-    facts = RecordFacts(lambda name: codes if name == "warning_codes" else getattr(record, _FIELDS.get(name, name)))
-    return motion.assign_attrs(record=record.id, words=facts.described)
+    return motion.assign_attrs(record=record.id, words=facts_of(record).described)
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:

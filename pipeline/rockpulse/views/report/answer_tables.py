@@ -30,11 +30,6 @@ def model_heading(model: str) -> Heading:
     return Heading(say(f"models.{model}"), note=say("upper_bound") if is_upper_bound(model) else "")
 
 
-def _has_result(answers: Answers, model: str) -> bool:
-    """Return whether a model has a result for some record and body."""
-    return bool((answers.of_models[model]["outcome"] != Outcome.UNRESOLVED).any())
-
-
 class AnswerCells:
     """Makes table cells for a record or body, given by its index; ``names`` are the cells with record ids."""
 
@@ -44,7 +39,11 @@ class AnswerCells:
         self._why = reasons_unknown(answers)
         self.every = col.AnswerRows.every(answers)
         self.of_models = col.answer_columns(answers)
-        self.shown = [name for name in answers.models if name == answers.model or _has_result(answers, name)]
+        self.shown = [
+            name
+            for name, one in answers.of_models.items()
+            if name == answers.model or np.any(one["outcome"] != Outcome.UNRESOLVED)
+        ]
         factors = col.columns("factor_10" if answers.probable else "safety_factor")
         self._factors = [row[0] for row in col.filled(factors, self.every)]
         names = col.record_cells(answers.summary)

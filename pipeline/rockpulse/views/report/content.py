@@ -278,7 +278,10 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
 
 def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
     """Return mass, density, ties, loads, thrusts, floor modes and pedestals of a body, each as lines of text."""
-    found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (_rounded(one.real("mass")),)}
+    mass = one.real("mass")
+    found: dict[str, tuple[str, ...]] = {
+        "mass": () if math.isnan(mass) else (f"{six_digits(float(f'{mass:.3g}'))} kg",)
+    }
     parts = {name: every for name, every in json.loads(one.text("restraints") or "{}").items() if name != "hinge"}
     parts |= {"floors": json.loads(one.text("floors") or "[]")}
     if given is not None:
@@ -287,11 +290,6 @@ def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ..
     for name, every in parts.items():
         found[name] = tuple(filter(None, (", ".join(_numbers(part)) for part in every)))
     return found
-
-
-def _rounded(mass: float) -> str:
-    """Return a mass [kg] with three significant digits as text, without an exponent."""
-    return f"{six_digits(float(f'{mass:.3g}'))} kg"
 
 
 def _numbers(part: dict[str, float | str | None]) -> list[str]:

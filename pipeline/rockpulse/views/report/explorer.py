@@ -23,7 +23,8 @@ from rockpulse.views.plots.model_histories import ModelHistory, histories, recom
 from rockpulse.views.plots.selection import block_of, plain_bodies, settings_of
 from rockpulse.views.report.record_tables import record_words
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.words import body_name, say, section
+from rockpulse.views.shared.words import body_name, result_text, say, section
+from rockpulse.warning_text import PLAIN
 
 #: Number of scale factors of each record.
 STEPS = 5
@@ -115,7 +116,7 @@ class _Scenes:
             try:
                 found.append({"record": row, "why": reasons, **self._scene(row, lane, body)})
             except ResultsError as reason:
-                found.append({"record": row, "why": reasons, "reason": str(reason)})
+                found.append({"record": row, "why": reasons, "reason": result_text(str(reason), PLAIN)})
         return found
 
     def _scene(self, row: int, lane: int, body: Body) -> dict[str, Any]:
@@ -131,14 +132,14 @@ class _Scenes:
             again = recomputed(self._tree, record, body.block, block, self._answers.model, others)
             motions |= dict(zip(others, again, strict=True))
         except ResultsError as reason:
-            why_not = str(reason)
+            why_not = result_text(str(reason), PLAIN)
         try:
             ground = stored_record(self._tree, record)
             time, acceleration, curve = ground.time, ground.acceleration, self._curve(row, lane, block, ground)
         except ResultsError:
             time, acceleration, curve = as_it_is.time, np.full(as_it_is.time.size, np.nan), None
         if time.size < 2:
-            raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.warning}")
+            raise ResultsError(as_it_is.warning)
         columns = _window(time, list(motions.values()))
         return {
             "start": round(columns.start, 4),
@@ -226,7 +227,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
     for name in answers.demands:
-        named.append((float(answers.to_demand(name)[row, lane]), words["demand"].format(name=name)))
+        named.append((float(answers.of_demand("demand_factor", name)[row, lane]), words["demand"].format(name=name)))
     found: dict[float, str] = {}
     for value, label in named:
         factor = float(f"{value:.3g}")

@@ -19,7 +19,8 @@ from rockpulse.views.report.body_drawings import strip
 from rockpulse.views.report.site_and_fragility import MatchedFile
 from rockpulse.views.report.verdict import by_severity
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import body_name, say
+from rockpulse.views.shared.words import body_name, result_text, say
+from rockpulse.warning_text import PLAIN
 
 #: Number of records up to which all are drawn with half-waves and impulses; of more, only governing records.
 IN_FULL = 20
@@ -112,7 +113,8 @@ class Pictures:
         def draw() -> Axes:
             found = histories(self._tree, record, body.block, [model], body.case + 1)
             if not found[0].time.size:
-                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].warning}.")
+                why = found[0].warning
+                raise ResultsError(say("explorer.no_motion", body=body.name, record=record, reason=why))
             ax: Axes = rotation_history(found)[0]
             return ax
 
@@ -160,7 +162,7 @@ class Pictures:
         try:
             figure = draw().get_figure(root=True)
         except ResultsError as reason:
-            return PageElement(Markup(""), str(reason))
+            return PageElement(Markup(""), result_text(str(reason), PLAIN))
         assert figure is not None
         return PageElement(Markup(svg(figure, name)), caption)
 

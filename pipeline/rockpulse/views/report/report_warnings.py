@@ -138,9 +138,7 @@ def _most(events: int) -> str:
 
 
 def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
-    """Return the smallest number of earthquakes on which the verdict of any body is based."""
-    counts = [one.deciding.earthquakes for one in found]
-    return min(counts, default=motions.event_count)
+    return min((one.deciding.earthquakes for one in found), default=motions.event_count)
 
 
 def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:

@@ -36,13 +36,9 @@ class FilesUsed:
     @property
     def counted(self) -> str:
         """Return the numbers of used files, unused files and failed channels as text; empty if nothing failed."""
-        failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
+        channels = sum(row.stage not in _OF_OPTIONS for row in self.beside)
+        failed = say("files.channels", channels=counted_words(channels, "channel")) if channels else ""
         return ", ".join(filter(None, (self._files, failed)))
-
-    @property
-    def channels(self) -> int:
-        """Number of channels that failed although the results use other channels of their file."""
-        return sum(row.stage not in _OF_OPTIONS for row in self.beside)
 
     @property
     def _files(self) -> str:

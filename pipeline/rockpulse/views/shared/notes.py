@@ -31,12 +31,6 @@ def stored_uncertainty(answers: Answers) -> str:
     return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
 
-def uncertain(answers: Answers) -> str:
-    """Return the stored description of the uncertainty, capitalised, as the start of a sentence."""
-    stored = stored_uncertainty(answers)
-    return stored[:1].upper() + stored[1:]
-
-
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     """Explain the columns of scale factors; `swept` is true if each is the smallest over all directions of a pair."""
     if not answers.has_factor:
@@ -47,7 +41,9 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     none = none_found(answers)
     if answers.probable:
         least = f" Scale factor at P = 10 %: smallest multiplier on {of}." if swept else ""
-        return [f"P: probability of overturning under the record as recorded.{least} {uncertain(answers)}.{none}"]
+        known = stored_uncertainty(answers)
+        known = known[:1].upper() + known[1:]
+        return [f"P: probability of overturning under the record as recorded.{least} {known}.{none}"]
     notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
@@ -123,10 +119,9 @@ def counted_motions(motions: Motions) -> str:
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body with crushing at its edge, and for every body on a pedestal."""
-    notes = []
-    for name in answers.blocks:
-        if words := Known(answers.summary, block=name).crushing:
-            notes.append(say("crushed.note", name=name, **words))
+    notes, crushed = [], answers.summary["hinge_depth"].values > 0.0
+    for name in np.array(answers.blocks)[crushed].tolist():
+        notes.append(say("crushed.note", name=name, **Known(answers.summary, block=name).crushing))
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
         outcome = ", ".join(filter(None, (worst.deciding.word, value)))

@@ -9,12 +9,12 @@ from typing import Any
 import xarray as xr
 
 from rocking.body.limits import radius_of_rectangle
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
 from rockpulse.views.shared.words import counted_words, in_dates, numerals, say
-from rockpulse.warning_text import has_warning
+from rockpulse.warning_text import has_warning, with_codes
 
 #: Pattern of a date or year, and pattern of a magnitude, which are not repeated if the title contains them.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -97,6 +97,12 @@ class RecordFacts:
         words = say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
         given = has_warning(self.text("warning_codes"), "direction_given")
         return say("direction.given", direction=words) if given else words
+
+
+def facts_of(record: Record) -> RecordFacts:
+    """Return the facts about a record that is not stored."""
+    known = {"warning_codes": with_codes(record.warnings)[1], "event_title": record.event}
+    return RecordFacts(lambda name: known[name] if name in known else getattr(record, name))
 
 
 class Known(RecordFacts):

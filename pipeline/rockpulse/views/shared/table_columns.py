@@ -92,9 +92,21 @@ def record_cell(name: str, pga: float, codes: str) -> Cell:
     return Cell(str(name), marks=doubt(pga, str(codes)))
 
 
+def cell_of_record(summary: xr.Dataset) -> Callable[[int], Cell]:
+    """Return a function from the row of a record in the group /summary to a cell with its id and marks."""
+    rows = list(zip(*(summary[name].values.tolist() for name in _RECORD), strict=True))
+    return lambda row: record_cell(*rows[row])
+
+
 def record_cells(summary: xr.Dataset) -> list[Cell]:
     """Return, for every record of the group /summary, a cell with its id and marks."""
-    return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
+    return [*map(cell_of_record(summary), range(summary.sizes["record"]))]
+
+
+def marked_record(summary: xr.Dataset) -> Callable[[int], Cell]:
+    """Return a function from the row of a record to a cell of text, in which the marks follow the id."""
+    cell = cell_of_record(summary)
+    return lambda row: Cell(cell(row).marked)
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:

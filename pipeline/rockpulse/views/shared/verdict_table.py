@@ -1,7 +1,7 @@
 """The table of the verdicts on the bodies, used by all views: its columns, rows and legend."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,9 +61,9 @@ def _may_slide(found: Finding) -> bool:
 
 
 def verdict_rows(
-    answers: Answers, found: Sequence[tuple[BodyVerdict, Finding]], governing: Sequence[Cell]
+    answers: Answers, found: Sequence[tuple[BodyVerdict, Finding]], governing: Callable[[int], Cell]
 ) -> dict[str, list[Any]]:
-    """Return the values of the columns, a row for each finding; `governing` are the cells with the record names."""
+    """Return the values of the columns, a row for each finding; `governing` returns the cell of a record."""
     summary, places = answers.summary, [one.body.place for one, _ in found]
     rows = [row for _, row in found]
     turn = np.array([row.others_rotation for row in rows]) * summary["alpha_c"].values[places]
@@ -79,7 +79,7 @@ def verdict_rows(
         "others": [row.others_rotation for row in rows],
         "top": (100.0 * summary["height"].values[places] * np.sin(turn)).tolist(),
         "uplift": summary["uplift_acceleration"].values[places].tolist(),
-        "governing": [governing[row.governing] if row.governing >= 0 else Cell(ABSENT) for row in rows],
+        "governing": [governing(row.governing) if row.governing >= 0 else Cell(ABSENT) for row in rows],
     }
 
 
@@ -137,10 +137,10 @@ def of_unknown_event(motions: Motions) -> str:
 ANCHORS = 8
 
 
-def tie_table(answers: Answers, found: Sequence[BodyVerdict], records: Sequence[Cell]) -> Table | None:
+def tie_table(answers: Answers, found: Sequence[BodyVerdict], record: Callable[[int], Cell]) -> Table | None:
     """Return a row for each tie and demand, and below it the demands on each anchor; None if there are no ties.
 
-    `records` are the cells with the names of the records.
+    `record` returns the cell with the name of a record, given by its row in /summary.
     """
     rows = tie_findings(answers, found)
     if not rows:
@@ -149,7 +149,7 @@ def tie_table(answers: Answers, found: Sequence[BodyVerdict], records: Sequence[
     heads = (("tie", ""), *([("demand", "")] if several else []), ("height", "m"), ("elongation", "mm"), ("share", ""))
     heads = (*heads, ("force", "kN"), ("yields", ""), ("breaks", ""), ("record", ""))
     headings = tuple(Heading(say(f"tie.head.{name}"), unit) for name, unit in heads)
-    cells = tuple(_cells(one, several, records) for one in rows)
+    cells = tuple(_cells(one, several, record) for one in rows)
     anchors = [_anchor(one) for one in rows if one.deciding]
     more = [say("tie.more", count=len(anchors) - ANCHORS)] if len(anchors) > ANCHORS else []
     return Table("ties", say("tie.caption"), headings, cells, (say("tie.legend"), *anchors[:ANCHORS], *more))
@@ -159,7 +159,7 @@ def _name(one: TieFinding) -> str:
     return say("tie.name", body=body_name(one.body.name), number=one.number)
 
 
-def _cells(one: TieFinding, several: bool, records: Sequence[Cell]) -> tuple[Cell, ...]:
+def _cells(one: TieFinding, several: bool, record: Callable[[int], Cell]) -> tuple[Cell, ...]:
     yields = math.isfinite(one.tie.yield_force)
     return (
         Cell(_name(one), link=f"body-{one.body.place}"),
@@ -170,7 +170,7 @@ def _cells(one: TieFinding, several: bool, records: Sequence[Cell]) -> tuple[Cel
         number_cell(one.force / 1000.0),
         _count(one.yielded if yields else None, one.motions),
         _count(one.broken if math.isfinite(one.tie.ultimate) else None, one.motions),
-        records[one.governing] if one.governing >= 0 else Cell(ABSENT),
+        record(one.governing) if one.governing >= 0 else Cell(ABSENT),
     )
 
 

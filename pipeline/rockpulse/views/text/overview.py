@@ -16,7 +16,7 @@ from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitut
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
-from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cells
+from rockpulse.views.shared.table_columns import doubt, doubt_notes, marked_record, record_cells
 from rockpulse.views.shared.verdict_table import tie_table
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
@@ -57,8 +57,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
 
 def ties(answers: Answers) -> str:
     """Return the table of the ties at the demands as text; empty if no body has ties."""
-    cells = [Cell(cell.marked) for cell in record_cells(answers.summary)]
-    table = tie_table(answers, found_verdicts(answers), cells)
+    table = tie_table(answers, found_verdicts(answers), marked_record(answers.summary))
     return "" if table is None else table_text(table)
 
 

@@ -109,7 +109,6 @@ def _levels(one: xr.Dataset) -> str:
 
 
 def _unit(risk: xr.Dataset) -> float:
-    """Return the value in SI units of one unit of the hazard curve."""
     return float(risk.attrs["unit_in_si"])
 
 
@@ -212,8 +211,7 @@ def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes:
 def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
     """Return a table with one row for each body, without the contributions of single hazard levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
-    table = _table(risk[names], "block", names, standing)
-    return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
+    return _table(risk[names], "block", names, standing)
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
@@ -226,12 +224,12 @@ def levels_table(risk: xr.Dataset) -> pd.DataFrame:
 
 def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
     """Return a table with one row for each body of an inventory."""
-    table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
-    return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
+    return _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
 
 
 def _table(risk: xr.Dataset, dim: str, names: list[str], standing: xr.Dataset | None) -> pd.DataFrame:
     if standing is not None:
         risk, names = risk.merge(standing[[*STANDING]]), [*names, *STANDING]
     table = risk.to_dataframe().reset_index()[[dim, *names]]
-    return table.assign(status=[RiskStatus(code).name.lower() for code in table["status"]])
+    status = [RiskStatus(code).name.lower() for code in table["status"]]
+    return table.assign(status=status, median=table["median"] / _unit(risk), unit=risk.attrs["unit"])

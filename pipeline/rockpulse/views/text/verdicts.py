@@ -141,7 +141,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     kept = [found[lane] for lane in (np.sort(places) if most is None else places).tolist()]
     rows = [(one, row) for one in kept for row in one.findings]
     findings, every = [row for _, row in rows], [row for one in found for row in one.findings]
-    values = verdict_rows(answers, rows, [Cell(cell.marked) for cell in col.record_cells(answers.summary)])
+    values = verdict_rows(answers, rows, col.marked_record(answers.summary))
     selected = (
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
         *(
@@ -196,10 +196,11 @@ def worst_motions(answers: Answers, most: int) -> str:
     order = order[np.asarray(motions.kept(far).any(axis=1))[order]][:most]
     if not order.size:
         return ""
-    marked = dict(zip(answers.records, (cell.marked for cell in col.record_cells(answers.summary)), strict=True))
+    marked, rows = col.marked_record(answers.summary), {name: row for row, name in enumerate(answers.records)}
+    names = [motions.names[row] for row in order]
     strength = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
     values = {name: column.tolist() for name, column in strength.items()} | {
-        "name": [f"  {marked.get(motions.names[row], motions.names[row])}" for row in order],
+        "name": [f"  {marked(rows[name]).text if name in rows else name}" for name in names],
         "pgv_drift": [0] * len(order),
         "worst_for": [shortened(answers.bodies[lane].name, col.NAME_WIDTH) for lane in body[order]],
         "overturning_probability": chance[at][order].tolist(),

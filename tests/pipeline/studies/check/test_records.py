@@ -5,11 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from report_cases import motions, probable
+from report_cases import motions, probable, turned
 from scipy.integrate import solve_ivp
 
 import rockpulse as rp
-from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
@@ -20,15 +19,6 @@ from rockpulse.views.text.check import check_overview
 G, INF, NAN = 9.80665, math.inf, math.nan
 WALL = Mechanism((Weight(1.0, 0.2, 2.0, True),))  # 0.4 x 4 m: d_0 = 0.2 m
 RULE = "NTC 2018, 7.3.5"
-
-
-def at_demand(rotations, **options):
-    """Results of one body under records at a demand: its largest rotations over alpha_c; inf: overturned."""
-    rotations = np.array(rotations, dtype=float)
-    outcome = np.select([np.isinf(rotations), np.isnan(rotations)], [Outcome.OVERTURNS, Outcome.UNRESOLVED], 1)
-    summary = probable([0.0] * rotations.size, at_demand=[0.0] * rotations.size, demand=1.0, **options)
-    own = {"demand_rotation_ratio": rotations, "demand_outcome": outcome}
-    return summary.assign({name: (("record", "block", "demand"), one[:, None, None]) for name, one in own.items()})
 
 
 @pytest.mark.parametrize(
@@ -80,12 +70,12 @@ def test_d_0_is_that_of_the_forces_that_last():
 
 def test_records_count_as_in_the_verdict():
     """A record that cannot be scaled to the demand is excluded, and a pair counts by its worst direction."""
-    found = rotations_at(Answers(at_demand([0.1, 0.2, 0.3, 0.9], to_demand=[1.0, 1.0, 1.0, 5.0])), "ULS")["b"]
+    found = rotations_at(Answers(turned([0.1, 0.2, 0.3, 0.9], to_demand=[1.0, 1.0, 1.0, 5.0])), "ULS")["b"]
     assert (found.records, found.compared) == (3, 0.3)
     rows = motions(6, rows=[[0, 1], [2, 3], [4, 5]], kind="pair")
-    found = rotations_at(Answers(at_demand([0.1, 0.2, INF, NAN, 0.3, 0.1]), rows), "ULS")["b"]
+    found = rotations_at(Answers(turned([0.1, 0.2, INF, NAN, 0.3, 0.1]), rows), "ULS")["b"]
     assert (found.records, found.compared) == (3, INF)
-    found = rotations_at(Answers(at_demand([0.1, 0.2, 0.2, NAN, 0.3, 0.1]), rows), "ULS")["b"]
+    found = rotations_at(Answers(turned([0.1, 0.2, 0.2, NAN, 0.3, 0.1]), rows), "ULS")["b"]
     assert (found.records, found.unknown) == (3, 1)
 
 

@@ -323,14 +323,8 @@ def test_the_schema_names_every_variable(tree, records):
     ("values", "message"),
     [
         ({"limit_states": ["uplifts"]}, 'found .*did you mean "uplift"'),
-        ({"limit_states": []}, "expected a list"),
         ({"limit_states": [0.1, 0.1]}, "each once"),
-        ({"limit_states": [1.5]}, r"numbers in \(0, 1\]"),
         ({"limit_states": [True]}, r"numbers in \(0, 1\]"),
-        ({"stripe_levels": [1.0, 0.5]}, "positive numbers in ascending order"),
-        ({"measures": ["PGA"]}, "did you mean|expected a list"),
-        ({"data": "msa"}, "expected one of"),
-        ({"confidence": 0.2}, "0.5"),
     ],
 )
 def test_the_section_is_strict(values, message):

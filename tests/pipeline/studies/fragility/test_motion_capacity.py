@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bursts import packet
 
 import rockpulse as rp
 from rocking.body.block import Block
@@ -116,15 +117,7 @@ def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation():
 WALL = {"wall": rp.models.Block(0.4, 3.0)}
 
 
-def shake(number):
-    times = np.arange(0.0, 6.0, 0.02)
-    rng = np.random.default_rng(number)
-    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * times + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
-    waves *= 3.0 / np.max(np.abs(waves)) * np.exp(-(((times - 3.0) / 1.5) ** 2))
-    return rp.Record(waves, dt=0.02, id=f"r{number}", event=f"e{number}", processed=True)
-
-
-RECORDS = [shake(number) for number in range(10)]
+RECORDS = [packet(number, number, 6.0, 3.0, 1.5) for number in range(10)]
 LEVELS = (0.25, 0.4, 0.6, 0.9)
 
 

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from bursts import packet
 
 import rockpulse as rp
 from rockpulse import models
@@ -15,21 +16,10 @@ from rockpulse.storage.variables.risk import RiskStatus
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Observations
 from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate
 
-T = np.arange(0.0, 5.0, 0.02)
-
-
-def shaking(number, event):
-    rng = np.random.default_rng(number)
-    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * T + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
-    peak = 3.0 * waves / np.max(np.abs(waves))
-    return rp.Record(
-        peak * np.exp(-(((T - 2.0) / 1.0) ** 2)), dt=0.02, id=f"r{number}", event=f"e{event}", processed=True
-    )
-
 
 @pytest.fixture(scope="module")
 def tree():
-    records = [shaking(number, number // 2) for number in range(16)]
+    records = [packet(number, number // 2, seconds=5.0) for number in range(16)]
     settings = rp.FragilitySettings(
         measures=("pga", "pgv", "velocity_ratio"), overturning_model="lognormal", limit_states=("uplift", "overturning")
     )

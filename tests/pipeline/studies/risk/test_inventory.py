@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bursts import packet
 from scipy.integrate import quad
 from scipy.special import ndtr
 
@@ -16,22 +17,8 @@ from rockpulse.sequences.design_spectrum import at_blocks
 from rockpulse.studies.risk.hazard_files import site_hazards_of
 from rockpulse.studies.risk.inventory import curves_in_parts
 
-T = np.arange(0.0, 4.0, 0.02)
 LAW = rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv")
 CURVE = rp.HazardCurve("pga", [0.1, 1.0, 4.0], [0.3, 0.02, 1e-3])
-
-
-def shaking(number):
-    rng = np.random.default_rng(number)
-    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * T + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
-    peak = 3.0 * waves / np.max(np.abs(waves))
-    return rp.Record(
-        peak * np.exp(-(((T - 2.0) / 1.0) ** 2)),
-        dt=0.02,
-        id=f"r{number}",
-        event=f"e{max(number - 1, 0)}",
-        processed=True,
-    )
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +27,9 @@ def results():
         models=rp.ModelSettings(use=("nonlinear",)),
         uncertainty=rp.UncertaintySettings(spectrum="all"),
     )
-    return rp.assess([shaking(n) for n in range(5)], config, bodies={"wall": models.Block(width=0.4, height=3.0)})
+    return rp.assess(
+        [packet(n, max(n - 1, 0)) for n in range(5)], config, bodies={"wall": models.Block(width=0.4, height=3.0)}
+    )
 
 
 def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
@@ -173,7 +162,7 @@ def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_reported(results)
     for restitution in ((0.95, 1.05), (0.97, 0.98), (0.9, 0.95, 1.0)):
         known = rp.UncertaintySettings(spectrum="all", restitution=restitution)
         config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=known)
-        one = rp.assess([shaking(0)], config, bodies={"wall": wall.lane(0)})
+        one = rp.assess([packet(0, 0)], config, bodies={"wall": wall.lane(0)})
         if restitution == (0.95, 1.05):
             assert np.isnan(rp.inventory_frequency(one, wall, LAW)["frequency_low"].item())
         else:
@@ -187,7 +176,7 @@ def test_what_cannot_be_answered_is_refused(results):
         rp.inventory_frequency(results, body, rp.PowerLawHazard(1e-3, 2.0, "sa_1"))
     with pytest.raises(rp.ConfigError, match="expected a positive time"):
         rp.inventory_frequency(results, body, LAW, years=-1.0)
-    bare = rp.assess([shaking(0)], rp.Config(models=rp.ModelSettings(use=("sequence",))), bodies={"a": body.lane(0)})
+    bare = rp.assess([packet(0, 0)], rp.Config(models=rp.ModelSettings(use=("sequence",))), bodies={"a": body.lane(0)})
     with pytest.raises(rp.ResultsError, match="contain no overturning spectra"):
         rp.inventory_frequency(bare, body, LAW)
 

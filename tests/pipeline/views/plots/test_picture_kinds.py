@@ -14,7 +14,7 @@ from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS, MARCHED_RATES, draw, has_spectra
 from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS, kind_list
-from rockpulse.views.plots.selection import one_name
+from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.shared.words import writing
 
 COLUMN = "column of $one$ piece"
@@ -175,3 +175,9 @@ def test_a_pattern_does_that_one_name_meets_and_of_many_the_nearest_are_named(as
     with pytest.raises(ResultsError, match=r"nearest: record 17.*; there are 30 \(rockpulse inspect --records\)"):
         one_name(many, "record", "recrd 17")
     assert one_name(many.assign_coords(record=[f"a[{k}]*" for k in range(30)]), "record", "a[1]*") == "a[1]*"
+
+
+def test_units_of_single_files_are_part_of_the_stored_section():
+    given = rp.RecordSettings(files=[rp.FileSettings(match="columns.txt", units="g")])
+    tree = xr.DataTree(xr.Dataset(attrs={"configuration": rp.Config(records=given).as_text()}))
+    assert settings_of(tree, rp.RecordSettings) == given

@@ -43,19 +43,17 @@ def test_the_magnitudes_of_several_agencies_stand_side_by_side(summary):
     assert (ridgecrest["magnitude"], ridgecrest["date"]) == ("Mw 7.1, ML 6.9", "2019-07-05")
 
 
-def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels():
-    summary = results_tree()["summary"].to_dataset().assign(magnitude=("record", [7.1, 7.1, 5.0]))
-    table = input_table(summary)
+def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels(summary):
+    table = input_table(summary.assign(magnitude=("record", [7.1, 7.1, 5.0])))
     assert table.headings[-1].title == "earthquake, station"
     assert [row[-1].text for row in table.rows] == ["Ridgecrest 2019-07-06, CCC", ""]
     assert [row[2].text for row in table.rows] == ["2", "1"]
-    summary = results_tree()["summary"].to_dataset().isel(record=[2])
+    summary = summary.isel(record=[2])
     assert [heading.title for heading in input_table(summary).headings] == ["file", "format", "records"]
     assert [heading.title for heading in input_table(summary, full=True).headings][1] == "SHA-256"
 
 
-def test_warnings_of_one_code_share_a_row():
-    summary = results_tree()["summary"].to_dataset()
+def test_warnings_of_one_code_share_a_row(summary):
     unknown, note = str(WarningText("orientation_unknown")), "a note of the user"
     texts, codes = zip(
         with_codes([WarningText("orientation_unknown"), WarningText("vertical_short", missing=1.0)]),

@@ -43,4 +43,4 @@ def test_a_body_at_rest_is_said_to_be_and_a_motion_that_is_not_known_is_no_pictu
     unresolved["summary"]["outcome"].values[:] = Outcome.UNRESOLVED
     found = motion(unresolved)
     assert not found.svg
-    assert found.words.endswith("nonlinear model: unresolved.")
+    assert found.words.endswith(": unresolved")

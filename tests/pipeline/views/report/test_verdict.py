@@ -163,8 +163,6 @@ def test_under_a_design_sequence_there_is_no_probability():
     assert "This does not prove safety" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
-    assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
-    of = motions(1, kind="sequence")
     for factors, outcome, words in (
         (
             [0.9],
@@ -183,13 +181,10 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
     summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
     found = verdict(summary, of)
-    margin, at_demand = found.recorded.margin, found.demands[0].margin
-    assert (margin.smallest, margin.open, margin.median) == (0.4, True, 2.0)
+    at_demand = found.demands[0].margin
     assert (found.deciding.governing, at_demand.smallest, at_demand.open) == (0, 0.8, True)
     shown = headed(answers(summary, of), found)
     assert (shown["capacity/ demand"], shown["share"]) == ("≤0.80", "0.50")
-    whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair")).recorded.margin
-    assert (whole.smallest, whole.open, whole.median) == (0.4, False, pytest.approx(1.2))
 
 
 def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lifts_stays():
@@ -207,19 +202,11 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
 def test_motions_of_unknown_earthquake_make_no_earthquake_more():
     summary = probable([0.0, 0.0, 0.9])
     of = motions(3, events=["A", "B", UNKNOWN])
-    assert of.event_count == 2
     assert verdict(summary, of).share.value == pytest.approx(0.3)
     assert "not among those that a verdict needs: 1 motion" in of_unknown_event(of)
     of = motions(3, events=[UNKNOWN] * 3)
-    assert (of.event_count, verdict(summary, of).share.value) == (1, pytest.approx(0.3))
+    assert verdict(summary, of).share.value == pytest.approx(0.3)
     assert "Counted as one earthquake" in of_unknown_event(of)
-
-
-def test_of_the_demand_an_upper_bound_proves_nothing_and_without_a_search_nothing_is_known():
-    summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
-    assert grade_cell(verdict(summary, model="resonance").deciding).text == "may overturn"
-    summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
-    assert verdict(summary).deciding.word == "not known"
 
 
 def test_the_motions_are_counted_by_their_kind():

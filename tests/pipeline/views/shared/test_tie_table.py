@@ -37,7 +37,7 @@ def summary_of(tie, elongation, state):
 
 def shown(tie, elongation, state):
     answers = Answers(summary_of(tie, elongation, state))
-    table = tie_table(answers, verdicts(answers), [Cell(name) for name in "abc"])
+    table = tie_table(answers, verdicts(answers), lambda row: Cell("abc"[row]))
     return [cell.text for cell in table.rows[0]], table.footnotes[1]
 
 
@@ -65,7 +65,7 @@ def test_rows_and_anchors(tie, elongation, state, cells, anchor):
 
 def test_no_table_without_ties_and_italian_numbers():
     answers = Answers(demanding(results_tree()["summary"].to_dataset(), {"ULS": 5.0}))
-    assert tie_table(answers, verdicts(answers), []) is None
+    assert tie_table(answers, verdicts(answers), Cell) is None
     with writing("it"):
         row, note = shown(STEEL, [0.0015, 0.001, 0.0], [1, 1, 0])
     assert row[2:5] == ["1,5", "1 %", "3"]
