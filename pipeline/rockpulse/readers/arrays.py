@@ -144,7 +144,7 @@ def _texts(arrays: Mapping[str, Any]) -> list[str]:
 
 
 def _table(prose: list[str], named: list[tuple[str, np.ndarray]]) -> str:
-    """Return the columns as a table below the header text, with headings if the columns have names."""
+    """Return a table as text: header text, headings (if the columns have names), and the columns."""
     # Columns without names (of a series without a name, or of a matrix) are written without headings.
     bare = all(not name.strip(" 0123456789") for name, _ in named)
     heading = [] if bare else [_DELIMITER.join(name.replace(_DELIMITER, ",") or "value" for name, _ in named)]

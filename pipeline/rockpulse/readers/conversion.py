@@ -169,7 +169,9 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
         ends, advice = WRITERS[key].suffix, "correct the name, or, if it is meant as a folder, create it first"
         raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and by_suffix != key:
-        raise ConfigError(f"{out}: the file name means {by_suffix}, but the format is {key}; correct one of them")
+        raise ConfigError(
+            f"{out}: the suffix belongs to the format {by_suffix}, but the format is {key}; correct one of them"
+        )
     if folder and out.exists() and not out.is_dir():
         raise ConfigError(
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"

@@ -156,7 +156,7 @@ def _difference(one: Record, other: Record) -> str:
     if one.npts != other.npts:
         return (
             f"expected equal numbers of samples in {files}, found {one.npts} and {other.npts}; if both begin at the "
-            "same time, cut the longer one, otherwise remove the entry"
+            "same time, shorten the longer one, otherwise remove the entry"
         )
     if one.start_time != other.start_time and None not in (one.start_time, other.start_time):
         return f"expected equal start times in {files}, found {one.start_time} and {other.start_time}"

@@ -136,7 +136,7 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}", remedy)
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """Return the last FileSettings that give the property `key` and match the file `name`, if given; or None."""
+        """Return the last FileSettings with a value for `key` that match the file `name` (None: any), or None."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 

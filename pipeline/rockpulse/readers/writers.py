@@ -50,7 +50,7 @@ def orientation_of(record: Record) -> Orientation:
 
 
 def _direction_word(record: Record) -> str:
-    """Return the direction as a word for a file: ``UP``, ``005``, ``092.5``, or the record's own word; or empty."""
+    """Return a word for the direction: ``UP``, ``005``, or the record's own word; empty if it would be misread."""
     if orientation_of(record) == "vertical":
         return "UP"
     if np.isfinite(record.azimuth):

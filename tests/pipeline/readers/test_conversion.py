@@ -71,7 +71,7 @@ def test_miniseed_holds_all_and_has_a_station_file(tmp_path):
         ("out.dat", None, r"found '\.dat'"),
         ("out.dat", "xls", "found 'xls'"),
         ("out.txt", "csv", r"a file of the format csv ends in \.csv, found '\.txt'"),
-        ("out.csv", "at2", "the file name means csv, but the format is at2"),
+        ("out.csv", "at2", "the suffix belongs to the format csv, but the format is at2"),
         ("new", "mseed", "miniSEED holds all records in one file; name it, such as"),
         ("missing/new/out.csv", None, "there is no folder .*missing/new; create it first"),
         ("missing/out.csv", None, "there is no folder .*missing; create it first"),

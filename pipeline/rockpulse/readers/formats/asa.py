@@ -94,7 +94,7 @@ def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
 
 
 def _consonants(text: str) -> str:
-    """Return the consonants and digits of a text, as accents and encodings change only its vowels."""
+    """Return the consonants and digits of a text, because accents and encodings affect only vowels."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 

@@ -198,7 +198,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
 
 
 def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Return warnings if the header states a scale factor, or another interval than `step`, which is in line `end`."""
+    """Return warnings about a stated scale factor, and about intervals other than `step`, stated in line `end`."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)

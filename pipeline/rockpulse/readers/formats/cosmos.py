@@ -106,7 +106,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
         if missing.size:
             which = f"the first is sample {missing[0] + 1}) are {header.unknown:g}, which means unknown"
             found = f"{missing.size} of {samples.size} samples ({which}"
-            raise RecordRefused(f"{where}: {found}; cut the record there or get a complete one")
+            raise RecordRefused(f"{where}: {found}; end the record before this sample, or get a complete one")
     network, station, location, seed = header.codes()
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()

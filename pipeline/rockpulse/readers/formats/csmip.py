@@ -3,11 +3,11 @@
 Volume 1, uncorrected: channels as in `kit.csmip_layout`, then a heading and the accelerations; older files have no
 heading, but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each
 channel is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings
-also name the Fortran format, and headings of USC have no unit. Volume 3, spectra, is rejected with a clear message.
+also name the Fortran format, and headings of USC have no unit. Volume 3 (spectra) is rejected.
 
-Files of RENADIC (Universidad de Chile) are volumes 1 of pairs. Recorders with four channels have one channel without
-a sensor, which contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin times
-are from the clocks of the instruments, some of which were never set.
+Files of RENADIC (Universidad de Chile) are of volume 1, with pairs. Recorders with four channels have one without a
+sensor: its channel contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin
+times are from the clocks of the instruments, some of which were never set.
 """
 
 import re

@@ -261,7 +261,7 @@ def _moment(text: str) -> datetime | None:
 DYNA = Format(
     name="dyna",
     what="DYNA 1.x (ESM, ITACA, AFAD)",
-    recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
+    recognised="a line 'EVENT_NAME:' and other keys of the format, at the top or below other lines",
     unit="cm/s2, from the header",
     processed="by type",
     example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",

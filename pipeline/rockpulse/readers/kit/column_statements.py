@@ -25,7 +25,7 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
         for stated, whose in ((stated_direction(prose), "header text"), (name_direction(file), "name of the file")):
-            note = f"the {whose} states the direction {stated.label}, another statement {found[0].label}; it is unknown"
+            note = f"the {whose} says {stated.label}, another statement says {found[0].label}; the direction is unknown"
             upright = "vertical" in (stated.orientation, found[0].orientation)
             found = [held_direction(found[0], stated, note)]
             if upright and found[0].orientation == "unknown":

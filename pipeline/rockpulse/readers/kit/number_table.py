@@ -136,7 +136,7 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
         fields = split_row(row, layout.delimiter) if len(row) <= LINE_LIMIT else []
         sound = all(NUMBER.fullmatch(field) and other not in field and np.isfinite(as_float(field)) for field in fields)
         if row and not (sound and len(fields) == layout.width):
-            advice = "repair the line or cut the record there"
+            advice = "repair the line, or end the record before it"
             return unexpected(f"{name}:{first + index}", f"{layout.width} finite numbers", repr(row[:_SHOWN]), advice)
     return RecordFormatError(
         f"{name}:{first}: the rows cannot be read as {layout.width} columns of numbers; write them with one "
