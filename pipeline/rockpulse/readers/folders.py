@@ -69,8 +69,7 @@ def read(
     ----------
     path : str, path or binary file
         A file, plain or compressed with gzip, or an open file, which is read from its current position. A folder is
-        read as by `rockpulse.read_all`; files without a record, which that function returns, are logged as warnings
-        here.
+        read as by `rockpulse.read_all`; the failures that it returns, except skipped files, are logged as warnings.
     units : str, optional
         Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
     dt : float, optional

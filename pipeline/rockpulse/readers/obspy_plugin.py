@@ -1,7 +1,7 @@
-"""Converts records to and from `obspy.Trace`; as plugins, lets ``obspy.read("a.AT2")`` read the formats in m/s2.
+"""Converts records to and from `obspy.Trace`, and provides the plugins with which `obspy.read` reads the formats.
 
-Fields that a Trace lacks are in ``trace.stats.rockpulse``, which copies of the Trace and PICKLE files keep. The entry
-points made by ``hatch_build.py`` refer to ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
+Data are in m/s2. Fields that a Trace lacks are in ``trace.stats.rockpulse``, which copies and PICKLE files keep. The
+entry points made by ``hatch_build.py`` refer to ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
 """
 
 from __future__ import annotations

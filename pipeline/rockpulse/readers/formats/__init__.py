@@ -1,4 +1,4 @@
-"""The formats. Each module of this package is found automatically and defines one or more rows `Format`."""
+"""The formats. Each module of this package is found automatically and defines one or more of them."""
 
 from dataclasses import replace
 from importlib import import_module

@@ -1,7 +1,7 @@
 """PEER AT2 files: a few header lines, then equally spaced accelerations in g.
 
-The database delivers the files with a list, ``_SearchResults.csv``, that names the files of each record. Its Rjb and
-Rrup are distances to the rupture, not to the epicentre, and are not used.
+The database delivers the files with a list, ``_SearchResults.csv``, that names the files of each record. The
+distances Rjb and Rrup in this list are not used, as they are measured to the rupture and not to the epicentre.
 """
 
 import csv

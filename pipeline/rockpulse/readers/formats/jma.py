@@ -1,4 +1,4 @@
-"""Acceleration files of the Japan Meteorological Agency (CSV): seven lines of a header, then NS, EW, UD in gal.
+"""Acceleration files of the Japan Meteorological Agency (CSV): seven header lines, then NS, EW, UD in gal.
 
 Times are in Japan Standard Time (UTC+9). The station name is encoded in Shift-JIS.
 """

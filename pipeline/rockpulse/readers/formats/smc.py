@@ -1,7 +1,7 @@
 """SMC files of the USGS National Strong-Motion Project.
 
-11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines that begin with ``|``, then the values in cm/s2,
-8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+Text (11 lines), 48 integers (8I10), 50 floating-point values (5E15.7), comment lines that begin with ``|``, then the
+accelerations in cm/s2, 8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
 import re
@@ -156,7 +156,7 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample and warnings; None if it is too far from the earthquake."""
+    """Return the UTC time of the first sample (None if it is too far from the earthquake), and warnings."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []
