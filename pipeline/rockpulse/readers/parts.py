@@ -1,4 +1,4 @@
-"""Merges records of several files: drops duplicates, and joins records that an agency split into files.
+"""Merges records of several files: drops duplicates, and joins records that an agency split into several files.
 
 Velocities and displacements among files of plain columns are detected as integrals of another file.
 """

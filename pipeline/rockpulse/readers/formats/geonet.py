@@ -1,7 +1,8 @@
 """GeoNet volume 1 and 2 files of New Zealand (V1A uncorrected, V2A corrected).
 
 Each component has 16 lines of text, 40 integers (10I8), 60 floating-point values (10F8) and the accelerations [mm/s2]
-(10F8), in a V2A file followed by velocities and displacements. Layout: https://www.geonet.org.nz/data/types/strong_motion
+(10F8), in a V2A file followed by velocities and displacements. Layout:
+https://www.geonet.org.nz/data/types/strong_motion
 """
 
 import re

@@ -264,7 +264,7 @@ def stated_direction(header: Sequence[str]) -> Direction:
 
 
 def stated_start(header: Sequence[str]) -> datetime | None:
-    """Return the UTC time of the first sample that a header states; None if time or zone is missing."""
+    """Return the UTC time of the first sample that a header states; None if it is missing or in an unknown zone."""
     texts = (match[1].upper() for line in header if (match := _START.search(folded_text(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
