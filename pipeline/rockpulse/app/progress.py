@@ -16,7 +16,9 @@ class Progress:
     def __init__(self, page: Window, *verbs: str) -> None:
         self.command, self.verbs, self._seen = page.project.command, verbs, -1
         self.stop = page.button(say("app.results.cancel"), self.command.cancel)
-        self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
+        self.bar = ui.linear_progress(0.0, show_value=False).props(
+            f'instant-feedback aria-label="{say("app.results.progress")}"'
+        )
         self.state = ui.label().props('role="status"')
 
     def look(self) -> bool:

@@ -40,8 +40,7 @@ class ResultPart:
         self.fault = ui.label().classes("fault").props('role="alert"')
         self.progress = Progress(self.page, "assess", "report", "export", "fragility", "risk")
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
-        self.risk = ui.element("div").classes("wide")
-        self.found = ui.element("div").classes("wide")
+        self.found, self.risk, self.report = (ui.element("div").classes("wide") for _ in range(3))
         self.page.looks.append(self._look)
         self._look()
 
@@ -90,8 +89,8 @@ class ResultPart:
     def _show_found(self) -> None:
         """Show links to the files, the commands that repeat the run, and the report, once there are results."""
         self.found.clear()
-        results = self.project.folder / RESULTS
-        if not results.is_file():
+        self.report.clear()
+        if not (self.project.folder / RESULTS).is_file():
             return
         report, button = self.project.report(self.page.language), self.page.button
         with self.found:
@@ -105,7 +104,8 @@ class ResultPart:
                 _link("HDF5", RESULTS)
                 _link(CONFIG, CONFIG)
             Panel(self.page, say("app.results.commands"), self._show_commands)
-            if report.is_file():
+        if report.is_file():
+            with self.report:
                 frame = ui.element("iframe").classes("report").props(f'title="{say("app.results.report")}"')
                 frame.on("load", js_handler=FIT)
                 frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')
