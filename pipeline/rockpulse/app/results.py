@@ -32,7 +32,7 @@ class ResultPart:
 
     def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
-        self._assessed, self._shown = page.project.assessed, False
+        self._assessed = page.project.assessed
 
     def show(self) -> None:
         """Build the section on the page."""
@@ -41,8 +41,10 @@ class ResultPart:
         self.progress = Progress(self.page, "assess", "report", "export", "fragility", "risk")
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
         self.found, self.risk, self.report = (ui.element("div").classes("wide") for _ in range(3))
-        self.page.looks.append(self._look)
         self._look()
+        self._show_found()
+        self._show_risk()
+        self.page.looks.append(self._look)
 
     async def assess(self) -> None:
         """Assess the records and write the report; finished records of an interrupted assessment are not repeated."""
@@ -79,10 +81,8 @@ class ResultPart:
             self._assessed = self.project.assessed
             ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected
         if self.progress.look():
-            running = self.command.running
-            self.start.visible = not running
-            if not running and (self.command.verb in self.progress.verbs or not self._shown):
-                self._shown = True
+            self.start.visible = not self.command.running
+            if not self.command.running and self.command.verb in self.progress.verbs:  # not of a picture of spectra
                 self._show_found()
                 self._show_risk()
 
