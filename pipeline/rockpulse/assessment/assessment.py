@@ -137,7 +137,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; raise ValueError without an intense phase, or if a model rejects it."""
+    """Assess all bodies under one record; ValueError if it has no intense phase, or if a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):

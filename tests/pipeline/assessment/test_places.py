@@ -279,7 +279,7 @@ def test_a_direction_needs_a_pair():
     # A channel that faces the direction of the records stands for it, and not for another one.
     tree = turned(body("others"), own, records=PAIR[:1], components="azimuth", azimuth=90.0)
     assert tree["summary"].sizes["record"] == 0
-    assert "rotated to the direction 30 of a body" in str(tree["failures"]["reason"].values[-1])
+    assert "rotated to the direction of a body, 30 degrees" in str(tree["failures"]["reason"].values[-1])
 
 
 @pytest.mark.sweep

@@ -37,9 +37,10 @@ def calibrate(
 ) -> xr.DataTree:
     """Derive the design spectrum of a site, and the design sequence of each body, from a set of records.
 
-    The spectrum is the predictive quantile over earthquakes of the records' overturning spectra. The sequence has the
-    median I_s/I, interval dT and number of main impulses N of the half-waves in the intense phases (section sequence),
-    and the main impulse I with which the sequence model overturns the body at the scale factor of the spectrum.
+    The design spectrum is a predictive quantile over earthquakes of the records' overturning spectra. The sequence has
+    the median I_s/I, interval dT and number of main impulses N of the half-waves in the intense phases (section
+    sequence), and the main impulse I with which the sequence model overturns the body at the scale factor of the
+    spectrum.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The calibration of a site: computes spectrum and half-waves of each record, then design spectrum and sequence."""
+    """The calibration of a site: derives the design spectrum and sequence from the spectra and sequences of records."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -128,7 +129,7 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Compute design spectrum and sequence of the site from the results of all records."""
+        """Compute the design spectrum and the design sequence of the site from the results of all records."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
