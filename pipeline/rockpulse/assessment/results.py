@@ -79,9 +79,10 @@ class Results(Shown):
             empty without a demand or with fewer than five `earthquakes`. `probability` is the mean probability of
             overturning over earthquakes [-], with its 90 % interval (`low`, `high`). `smallest` is the smallest scale
             factor at P = 10 % over the records, or safety factor if there is no P; at a demand it is divided by the
-            scale factor to the demand. `governing` is the record with this factor, or empty. A motion is a record or a pair of channels: `motions` is the number of motions on which
-            the verdict is based, `overturned` the number of these that overturn the nominal body, `left_out` the number
-            of motions that cannot be scaled to the demand, and `weak` the number of motions that lift no body.
+            scale factor to the demand. `governing` is the record with this factor, or empty. A motion is a record or a
+            pair of channels: `motions` is the number of motions on which the verdict is based, `overturned` the number
+            of these that overturn the nominal body, `left_out` the number of motions that cannot be scaled to the
+            demand, and `weak` the number of motions that lift no body.
             `median_rotation` and `largest_rotation` are the median and largest rotation of the nominal body over
             alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning. `sliding`
             is the largest share of a motion that requires more friction than the body has [-], NaN if unknown.

@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
     try:
         serve(folder, args.port, not args.no_browser, 60.0 * args.close_after, tell)
-    except KeyboardInterrupt:  # the usual end
+    except KeyboardInterrupt:  # the usual way to stop the server
         return 0
     return 0
 
@@ -51,11 +51,14 @@ VERB = Verb(
     "'rockpulse[app]'.",
     options=(
         {
-            "FOLDER": ("folder of the project, made if missing; default: this folder", {"nargs": "?", "default": "."}),
-            "--no-browser": "print the address, and open no browser",
+            "FOLDER": (
+                "project folder, created if missing; default: this folder",
+                {"nargs": "?", "default": "."},
+            ),
+            "--no-browser": "print the address, without opening a browser",
             "--port N": ("port of the server; default: a free one", {"type": _port, "default": 0}),
             "--close-after MINUTES": (
-                "end this time after the page was closed; default: %(default)g",
+                "time after the page was closed at which the server ends; default: %(default)g",
                 {"type": _minutes, "default": 10.0},
             ),
         },

@@ -40,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """Return a sentence with the demands of the results if the table has no column for them; otherwise ""."""
+    """Return a sentence with the demands of the results if the table has no column for them, otherwise no text."""
     from rockpulse.assessment.site_demands import stored_demands
 
     if "demand_acceleration" not in table.left_out:

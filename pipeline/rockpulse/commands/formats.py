@@ -53,8 +53,8 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="formats",
     summary="list the file formats",
-    description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
-    "volumes, and the units that can be given for those that state none.",
+    description="List the formats that are read, how they are recognised, their unit, whether their records "
+    "are corrected, and the units that can be given for formats that state none.",
     options=(),
     run=_run,
     examples=("rockpulse formats",),
