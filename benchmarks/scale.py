@@ -106,11 +106,11 @@ def _written(start: int, folder: Path, most: int, seconds: float) -> None:
 def _print_run(how: str, one: Run) -> None:
     """A line of the table."""
     parts = [f"{1e3 * seconds / one.records:.2f}" for seconds in (one.survey, one.work, one.assembly)]
-    inside = sum(one.seconds.values())
+    inside, core = sum(one.seconds.values()), 1e3 * one.processor / one.records
     print(
-        f"{how} {one.records}: {one.rate:.0f} records/s, {1e3 * one.total / one.records:.2f} ms a record (survey "
-        f"{parts[0]}, work {parts[1]}, assembly {parts[2]}; in the workers {1e3 * inside / one.records:.2f}); peak of "
-        f"the parent {one.peak:.0f} MB; results {one.size:.0f} MB",
+        f"{how} {one.records}: {one.rate:.0f} records/s, {core:.2f} ms of a core and {1e3 / one.rate:.2f} ms a record "
+        f"(survey {parts[0]}, work {parts[1]}, assembly {parts[2]}; in the workers {1e3 * inside / one.records:.2f}); "
+        f"peak of the parent {one.peak:.0f} MB; results {one.size:.0f} MB",
         flush=True,
     )
 

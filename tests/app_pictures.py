@@ -13,7 +13,7 @@ from real_browser import chromium
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 #: Width of the window, and height of each picture [px].
-WIDTH, HEIGHT = 1000, 1250
+WIDTH, HEIGHT = 1000, 1225
 
 
 def picture(browser, name, first):

@@ -1,4 +1,4 @@
-"""The command line, with one module per verb under :mod:`rockpulse.commands`."""
+"""The command line; each command has its own module in :mod:`rockpulse.commands`."""
 
 import argparse
 import gc
@@ -25,7 +25,7 @@ from rockpulse.commands.terminal import (
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
-#: Number of new objects after which Python looks for unused cycles: with its default, the imports take 0.2 s longer.
+#: Number of new objects after which Python searches for unused ones; Python's default slows the imports by 0.2 s.
 NEW_OBJECTS = 100_000
 FAILED = 1
 USAGE = 2
@@ -45,8 +45,8 @@ Exit codes: 0 success; 1 some records failed, or diff, verify or selftest found 
 difference; 2 wrong usage, configuration or results file; 130 interrupted."""
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser with all verbs, without importing numba or xarray."""
+def build_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """Return the parser with all commands; if `words` are given, only the commands among them get their options."""
     parser: argparse.ArgumentParser = Parser(
         prog="rockpulse",
         description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",
@@ -56,7 +56,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.set_defaults(program=parser)  # used by the verb `completion`
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     for verb in VERBS:
-        verb.add_to(subparsers)
+        verb.add_to(subparsers, not words or verb.name in words or "completion" in words)
     return parser
 
 
@@ -86,8 +86,8 @@ def _run(argv: Sequence[str] | None) -> int:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal may not support the characters of a file or block name
-    parser = build_parser()
     given = sys.argv[1:] if argv is None else argv
+    parser = build_parser(given or ["--help"])
     if not given:
         parser.exit(USAGE, parser.format_help())
     args = argparse.Namespace()

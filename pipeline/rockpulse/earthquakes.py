@@ -1,9 +1,9 @@
 """Statistics over earthquakes: resampling, intervals and weighted quantiles.
 
 .. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, and a jackknife leaves out
-one earthquake at a time. Weights (n,) are not negative; `events` (n,) are the indices of the earthquakes, from 0;
-`draws` (b, g) give how often each resample contains each earthquake; `estimates` (1 + K, ...) contain first the
-estimate from all data, then one estimate for each of K earthquakes, without that earthquake.
+one earthquake at a time. `weights` (n,) of n records are not negative; `events` (n,) are the indices of their
+earthquakes, from 0; `draws` (b, g) contain how often each of b resamples contains each of g earthquakes; `estimates`
+(1 + K, ...) contain first the estimate from all data, then K estimates, each without one of K earthquakes.
 """
 
 import math
@@ -83,7 +83,7 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Return the confidence limits of an estimate from its values in resamples; `sizes` are weights of earthquakes.
+    """Return the confidence limits of an estimate from its values in resamples; `sizes` (g,) are earthquake weights.
 
     The limits are the estimate +- t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
@@ -131,7 +131,9 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Return quantiles of n records at the probabilities `levels`; predictive quantiles need positive values.
+    """Return quantiles of values (n, ...) of n records, at each probability in `levels`, with confidence limits.
+
+    Predictive quantiles (`predictive`) allow for the small number of earthquakes, and need positive values.
 
     The q-quantile of the values of g earthquakes is exceeded by a further earthquake with a probability above 1 - q.
     The i-th smallest of g independent values is exceeded with the probability 1 - i/(g + 1) (Gumbel 1958, section
@@ -195,7 +197,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Return limits of exp(estimate); a score is (sample - estimate)/(standard error of the bootstrap sample)."""
+    """Return confidence limits of exp(estimate) from scores, (sample - estimate)/(standard error of the sample)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -205,7 +207,7 @@ def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confid
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Return the jackknife standard error of each quantity; row 0 is from all data, other rows omit an earthquake."""
+    """Return the jackknife standard error of each quantity; `estimates` are described in the note of this module."""
     events = estimates.shape[0] - 1
     return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-#: Advice in messages on each remedy; {first} is one of its {choices}, {lines} are for one kind of file.
+#: Advice in messages on each remedy: {choices} are its values, {first} is one of them, and {lines} are lines of the
+#: configuration that set it for some files.
 _ADVICE = {
     "units": "give it with the option units, one of {choices}: --units {first} on the command line, units = '{first}' "
     "under [records] of the configuration, or read(path, units='{first}'); if only some files use this unit, set it "
@@ -41,7 +42,7 @@ class Remedy:
     choices: tuple[str, ...] = ()
 
     def advice(self, name: str = "") -> str:
-        """Return what to do, for a message on the file `name`."""
+        """Return the advice that states what to do, for a message on the file `name`."""
         first = "g" if "g" in self.choices else "".join(self.choices[:1])
         return _ADVICE[self.key].format(
             choices=", ".join(self.choices),
@@ -162,7 +163,7 @@ _EXAMPLES = 10
 
 @dataclass(frozen=True)
 class Failure:
-    """One row of the failures table."""
+    """One row of the table of failures: a file or record that was left out, and the reason."""
 
     file: str  # name of the file; ``archive.zip!member`` for a file in an archive
     stage: str  # step of the run that left out the file or record

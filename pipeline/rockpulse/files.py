@@ -6,10 +6,8 @@ import csv
 import io
 import os
 import re
-import secrets
 import shutil
 import stat
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -57,6 +55,8 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
     """Parse a TOML text called `name`; raise `error` for invalid TOML, deep nesting and very large integers."""
+    import tomllib  # imported late, as the help does not need it
+
     deep = f"{name}: sections and arrays are nested more than {DEEPEST} deep; flatten them"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
@@ -137,7 +137,7 @@ def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
 
 def _hidden(target: Path) -> Path:
     """Return an unused temporary path in the folder of a file."""
-    return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
+    return target.with_name(f".rockpulse.{os.getpid()}.{os.urandom(4).hex()}.part")
 
 
 def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:

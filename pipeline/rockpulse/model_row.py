@@ -26,7 +26,7 @@ class Scene:
     """The input of the models: a conditioned record, the quantities extracted from it, and the models' options."""
 
     record: Record
-    vertical: np.ndarray | None  # (n,) on the samples of the record [m/s2], for models that use it
+    vertical: np.ndarray | None  # (n,) vertical acceleration at the samples of the record [m/s2]
     waves: HalfWaves
     phase: IntensePhase  # phase on which the sequence is calibrated
     # None if the phase has too few half-waves; from a design spectrum one sequence per block, for paired models only

@@ -204,7 +204,7 @@ NAMES = tuple(MODELS)
 #: Models used by default, and models used for the word "all".
 DEFAULT_MODELS = tuple(row.name for row in _ROWS if row.default)
 ALL_MODELS = tuple(row.name for row in _ROWS if not row.fitted)
-#: Variant of the rule that paired models use with `[sequence] method = "rule"`.
+#: Variant of the rule that models with `paired` use if `[sequence] method = "rule"`.
 RULE_POINT = "conservative"
 #: Models whose input is a sequence; the others need the accelerogram or its half-waves.
 SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.takes == "sequence")

@@ -1,3 +1,3 @@
-"""The version of rockpulse, which the build and the command line use and every results file contains."""
+"""The version of rockpulse, which is written to every results file."""
 
 __version__ = "0.2.0"

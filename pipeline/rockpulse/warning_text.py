@@ -35,7 +35,7 @@ WARNINGS = {
     "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
     "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the preceding one",
     "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on are repeated from {again:.4g} s on",
-    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the farthest of {peak:.3g} "
+    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the largest of {peak:.3g} "
     "g at {time:.4g} s",
     "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
     "0.5 s): its beginning is missing",
@@ -64,7 +64,7 @@ WARNINGS = {
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
     "earthquake of that strength",
     "scaled_alone": "scaled to the demand by its own intensity, not by that of a pair: {reason}",
-    "scaled_to_drift": "scaled to a PGV that is doubtful, because its baseline drifts",
+    "scaled_to_drift": "scaled to a PGV that is doubtful, because the baseline of the record drifts",
     # the vertical channel of a record
     "vertical_acceleration": "vertical acceleration: {record}",
     "vertical_missing": "no vertical channel of this station overlaps in time: its acceleration is taken as zero",
@@ -95,8 +95,8 @@ STATEMENTS = {
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
     "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
-    "outside_spectrum": "no design outside the range of the spectrum: {names}",
-    "vertical_left_out": "the vertical acceleration is left out: no single spectrum with it applies to all bodies",
+    "outside_spectrum": "no design for bodies outside the range of the spectrum: {names}",
+    "vertical_left_out": "the vertical acceleration is left out: with it, no single spectrum would apply to all bodies",
     # a fragility curve
     "band_one_event": "no band: without the earthquake {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}; at least {needed:d} are needed",

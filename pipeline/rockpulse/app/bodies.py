@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 from markupsafe import escape
-from nicegui import events, run, ui
+from nicegui import run, ui
 
-from rockpulse.app.fields import Fields, file_input, refused
+from rockpulse.app.fields import Fields
 from rockpulse.app.project import body_error
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
@@ -50,7 +51,7 @@ class BodyRow:
             self.drawing = ui.html("", sanitize=False).classes("side")
             with ui.element("div").classes("main"):
                 with ui.element("div").classes("keys"):
-                    self.fields = [("block", Fields(BlockSettings, values, self._changed).add(*ROW))]
+                    self.fields = [Fields(BlockSettings, values, self._changed).add(*ROW)]
                     self.page.bin(say("app.bodies.remove"), partial(part.remove, values))
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
@@ -61,12 +62,12 @@ class BodyRow:
     def _show_more(self) -> None:
         self.fields = self.fields[:1]
         with ui.element("div").classes("keys"):
-            self._add_fields("block", BlockSettings, self.values, MORE)
+            self.fields.append(Fields(BlockSettings, self.values, self._changed).add(*MORE))
         for part, (cls, names) in PARTS.items():
             for values in self.values.get(part, []):
                 with ui.element("div").classes("keys part"):
                     ui.label(say(f"app.part.{part}")).classes("name")
-                    self._add_fields(part, cls, values, names)
+                    self.fields.append(Fields(cls, values, self._changed).add(*names))
                     remove = f"{say('app.bodies.remove_part')} {say(f'app.part.{part}')}"
                     self.page.bin(remove, partial(self._drop, part, values))
         with ui.row():
@@ -74,15 +75,14 @@ class BodyRow:
                 self.page.button(f"+ {say(f'app.part.{part}')}", partial(self._add, part)).props("dense")
         self.refresh()
 
-    def _add_fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
-        self.fields.append((part, Fields(cls, values, self._changed).add(*names)))
-
     def _add(self, part: str) -> None:
         self.values.setdefault(part, []).append({})
         self._show_again()
 
     def _drop(self, part: str, values: dict[str, Any]) -> None:
-        self.values[part] = [one for one in self.values[part] if one is not values]
+        self.values[part].remove(values)
+        if not self.values[part]:
+            del self.values[part]
         self._show_again()
 
     def _show_again(self) -> None:
@@ -105,11 +105,10 @@ class BodyRow:
         fault = body_error(self.values)
         error = str(fault or "")
         self.size = self.values.get("width"), self.values.get("height")
-        heading = error.partition("]")[0].strip("[").rpartition(".")[2]
         name = str(self.values.get("name", ""))
         self.frame.props(f'aria-label="{escape(name) or say("app.bodies.new")}"')
         empty = not set(self.values) & {"width", "height"}
-        shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
+        shown = [one.show(error if error.startswith(one.cls.heading) and not empty else "") for one in self.fields]
         said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}"').partition(": ")[2])
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
         self.confirm.visible = bool(fault and fault.remedies)
@@ -152,9 +151,8 @@ class BodyPart:
             self.page, say("app.bodies.others"), lambda: self._add_rows(self.project.several("block")[FIRST:])
         )
         self.others.visible = False
-        with ui.row():
-            self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
-            self.page.button(say("app.bodies.paste"), self._paste)
+        self.page.button(say("app.bodies.add"), self._add).props(remove="outline").mark("add-body")
+        self.table = Panel(self.page, say("app.bodies.paste"), self._show_table)
         self.fault = ui.label().classes("fault").props('role="alert"')
         ui.timer(0.05, self.page.handler(self._show_first), once=True)
 
@@ -188,40 +186,31 @@ class BodyPart:
 
     def remove(self, values: dict[str, Any]) -> None:
         """Remove a body."""
-        self.project.document["block"] = [one for one in self.project.several("block") if one is not values]
+        self.project.several("block").remove(values)
         self._show_rows()
         self.page.changed()
 
-    def _paste(self) -> None:
-        with self.rows, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
-            ui.label(say("app.bodies.paste_intro"))
-            pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
-            pasted.props("outlined").classes("wide")
-            file_input(say("app.bodies.file"), "bodies", self.page.handler(partial(self._taken, dialog)))
-            with ui.row():
-                take = self.page.button(say("app.bodies.take"), lambda: self._text(pasted.value or "", dialog))
-                take.props(remove="outline")
-                ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
+    def _show_table(self) -> None:
+        ui.label(say("app.bodies.paste_intro"))
+        pasted = ui.textarea(say("app.bodies.table"), placeholder=f"{HEADINGS}\nwall,0.55,4.2")
+        pasted.props("outlined").classes("wide")
+        self.page.button(say("app.bodies.take"), lambda: self._take(pasted.value or ""))
+        file_input(self.page, say("app.bodies.file"), "bodies", self._show_added)
 
-    def _text(self, text: str, dialog: Any) -> None:
+    async def _take(self, text: str) -> None:
         if not text.lstrip().lower().startswith("name"):
             mark = next((mark for mark in ("\t", ";") if mark in text), ",")
             text = f"{HEADINGS.replace(',', mark)}\n{text}"
         with TemporaryDirectory() as folder:
             path = Path(folder, "pasted.csv")
             path.write_text(text, encoding="utf-8")
-            unused = self.project.add_table(path.name, path)
-        self._added(dialog)
+            unused = self.project.take("bodies", path.name, path)
         if unused:
-            ui.notify(error_words(unused))
+            ui.notify(unused)
+        await self._show_added()
 
-    def _taken(self, dialog: Any, event: events.GenericEventArguments) -> None:
-        if not event.args["sending"]:
-            self._added(dialog)
-            refused(event.args["faults"])
-
-    def _added(self, dialog: Any) -> None:
-        dialog.close()
+    async def _show_added(self) -> None:
+        self.table.value = False
         self._show_rows()
         self.others.value = True
         self.page.shown_error()

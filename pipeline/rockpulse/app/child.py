@@ -36,8 +36,7 @@ class Command:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.version = 0  # counts the changes of these values, for the pages that show them
-        self.turned = 0  # version with which the command has started or ended
+        self.turned = 0  # number of times that a command has started or ended
         self._process: asyncio.subprocess.Process | None = None
         self._begin("")
 
@@ -69,7 +68,7 @@ class Command:
             stderr=asyncio.subprocess.STDOUT,
             env=os.environ | {CHILD: "1", "PYTHONUNBUFFERED": "1"},
         )
-        self.turned = self.version = self.version + 1
+        self.turned += 1
         try:
             rest = ""
             while process.stdout is not None and (read := await process.stdout.read(4096)):
@@ -80,7 +79,7 @@ class Command:
             self.code = await process.wait()
         finally:
             self._process = None
-            self.turned = self.version = self.version + 1
+            self.turned += 1
         return self.code
 
     def _take(self, line: str) -> None:
@@ -88,7 +87,6 @@ class Command:
             self.done, self.total, self.left = int(bar[1]), int(bar[2]), bar[3]
         else:
             self.lines = [*self.lines[1 - LINES :], line]
-        self.version += 1
 
     async def cancel(self) -> None:
         """Interrupt the command as Ctrl-C does, so that finished records are kept, and wait until it has ended."""

@@ -12,42 +12,6 @@ from rockpulse.option import Section
 from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.words import error_words, numerals, say, section
 
-#: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
-#: at the end, the faults.
-SEND = """async (event) => { event.preventDefault(); const faults = [], files = [];
-  const inside = async (entry) => { if (!entry || entry.name.startsWith(".")) return;
-    if (entry.isFile) files.push([entry.fullPath, await new Promise((found, fault) => entry.file(found, fault))]);
-    else for (const reader = entry.createReader(); ;) {
-      const some = await new Promise((found, fault) => reader.readEntries(found, fault)); if (!some.length) return;
-      for (const one of some) await inside(one); } };
-  if (event.dataTransfer) for (const entry of [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry()))
-    await inside(entry).catch((fault) => faults.push(`${entry.name}: ${fault}`));
-  else files.push(...[...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
-  for (const [name, file] of files.filter(([name]) => !/[/][.]/.test(name))) { emit({sending: file.name, faults});
-    try { const answer = await fetch(`/upload/KIND?name=${encodeURIComponent(name)}`, {method: "POST", body: file});
-      if (!answer.ok) faults.push(`${name}: ${await answer.text()}`); }
-    catch (fault) { faults.push(`${name}: ${fault}`); } }
-  if (!event.dataTransfer) event.target.value = ""; emit({sending: "", faults}); }"""
-
-
-def file_input(label: str, kind: str, handle: Callable[..., Any], folder: str = "") -> None:
-    """Show a file input, and one of a folder if it has a label; chosen and dropped files are sent to the server."""
-    send = SEND.replace("KIND", kind)
-    with ui.element("div").classes("drop").on("dragover", js_handler="(event) => event.preventDefault()") as field:
-        field.on("drop", handle, js_handler=send)
-        for text, several in ((label, "multiple"), (folder, "webkitdirectory")):
-            if text:
-                with ui.element("label"):
-                    ui.label(text)
-                    ui.element("input").props(f'type="file" {several}').on("change", handle, js_handler=send)
-
-
-def refused(faults: list[str]) -> None:
-    """Show the reasons why files were not accepted, each after the name of its file."""
-    for name, _, fault in (one.partition(": ") for one in faults):
-        shown = f"{name}: {error_words(fault.removeprefix(f'{name}: '))}"
-        ui.notify(shown, type="negative", multi_line=True, close_button=True, timeout=0)
-
 
 def plain_error(error: str) -> str:
     """Return an error of the configuration in plain words of the current language, with names of body and inputs."""

@@ -16,25 +16,22 @@ class Progress:
     def __init__(self, page: Window, *verbs: str) -> None:
         self.command, self.verbs, self._seen = page.project.command, verbs, -1
         self.stop = page.button(say("app.results.cancel"), self.command.cancel)
-        self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
+        self.bar = ui.linear_progress(0.0, show_value=False).props(
+            f'instant-feedback aria-label="{say("app.results.progress")}"'
+        )
         self.state = ui.label().props('role="status"')
 
     def look(self) -> bool:
-        """Show the progress of the command if it has changed, and return whether the command has started or ended."""
+        """Show the progress of the command, and return whether a command has started or ended since the last look."""
         command, seen = self.command, self._seen
-        self._seen = command.version
-        if command.version == seen:
-            return False
+        self._seen = command.turned
         own = command.verb in self.verbs
         self.stop.visible = self.bar.visible = own and command.running
-        if not own:
-            self.state.text = ""
-        elif command.running:
+        key = ENDED.get(command.code, "app.results.failed") if own else ""
+        if own and command.running:
             self.bar.value = command.done / command.total if command.total else 0.0
             self.bar.props(f":indeterminate={'false' if command.total else 'true'}")
             key = "app.results.at" if command.total else f"app.results.{command.verb}"
-            self.state.text = say(key, done=command.done, total=command.total, left=command.left)
-        else:
-            key = ENDED.get(command.code, "app.results.failed")
-            self.state.text = say(key, reason=plain_error(command.reason)) if key else ""
-        return seen < command.turned
+        given = {"done": command.done, "total": command.total, "left": command.left}
+        self.state.text = say(key, **given, reason=plain_error(command.reason)) if key else ""
+        return seen != command.turned

@@ -9,7 +9,7 @@ from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from rockpulse.app.child import Command
 from rockpulse.config.body_table import read_bodies, unused_columns
@@ -46,6 +46,10 @@ HEAD = "# Written by rockpulse app, which keeps no comments."
 DEEPEST = 6
 _ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
+
+
+#: Kinds of files that are sent to the project.
+Kind: TypeAlias = Literal["records", "bodies", "hazard"]
 
 
 def safe_name(name: str) -> str:
@@ -144,6 +148,15 @@ class Project:
     def config(self) -> Config:
         """Return the configuration from its file."""
         return config_of(parse_toml(self.written, CONFIG), self.folder)
+
+    def take(self, kind: Kind, name: str, path: Path) -> str:
+        """Take a file that was sent, whose errors state its own name; return a sentence on unused columns of bodies."""
+        takes: dict[str, Callable[[str, Path], str | None]]
+        takes = {"records": self.add_record, "bodies": self.add_table, "hazard": self.set_hazard}
+        try:
+            return takes[kind](name, path) or ""
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(path), name)) from None
 
     # Records
 

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from nicegui import events, run, ui
 
-from rockpulse.app.fields import file_input, refused, value_of
+from rockpulse.app.fields import value_of
 from rockpulse.app.project import RECORDS, samples
 from rockpulse.app.table import Table
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.configuration import Config
 from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
@@ -62,7 +63,7 @@ class RecordPart:
     def show(self) -> None:
         """Build the section on the page, and read the records."""
         page = self.page
-        file_input(say("app.records.drop"), "records", page.handler(self._taken), say("app.records.folder"))
+        file_input(page, say("app.records.drop"), "records", self.read, say("app.records.folder"))
         self.fault = ui.label().classes("fault").props('role="alert"')
         if samples():
             page.button(say("app.records.samples"), self._samples)
@@ -81,14 +82,6 @@ class RecordPart:
         """Show which channels lack a partner if other directions are requested; errors are shown beside their files."""
         if self.records and not error and self._components() != self.components:
             self._show_failures()
-
-    async def _taken(self, event: events.GenericEventArguments) -> None:
-        self.page.sending = bool(event.args["sending"])
-        if self.page.sending:
-            self.state.text = say("app.records.copying", name=event.args["sending"])
-        else:
-            await self.read()
-            refused(event.args["faults"])
 
     async def _samples(self) -> None:
         await self.page.after(run.io_bound(self.project.add_samples))

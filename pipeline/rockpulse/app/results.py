@@ -32,7 +32,7 @@ class ResultPart:
 
     def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
-        self._assessed, self._shown = page.project.assessed, False
+        self._assessed = page.project.assessed
 
     def show(self) -> None:
         """Build the section on the page."""
@@ -40,10 +40,11 @@ class ResultPart:
         self.fault = ui.label().classes("fault").props('role="alert"')
         self.progress = Progress(self.page, "assess", "report", "export", "fragility", "risk")
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
-        self.risk = ui.element("div").classes("wide")
-        self.found = ui.element("div").classes("wide")
-        self.page.looks.append(self._look)
+        self.found, self.risk, self.report = (ui.element("div").classes("wide") for _ in range(3))
         self._look()
+        self._show_found()
+        self._show_risk()
+        self.page.looks.append(self._look)
 
     async def assess(self) -> None:
         """Assess the records and write the report; finished records of an interrupted assessment are not repeated."""
@@ -80,18 +81,16 @@ class ResultPart:
             self._assessed = self.project.assessed
             ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected
         if self.progress.look():
-            running = self.command.running
-            self.start.visible = not running
-            if not running and (self.command.verb in self.progress.verbs or not self._shown):
-                self._shown = True
+            self.start.visible = not self.command.running
+            if not self.command.running and self.command.verb in self.progress.verbs:  # not of a picture of spectra
                 self._show_found()
                 self._show_risk()
 
     def _show_found(self) -> None:
         """Show links to the files, the commands that repeat the run, and the report, once there are results."""
         self.found.clear()
-        results = self.project.folder / RESULTS
-        if not results.is_file():
+        self.report.clear()
+        if not (self.project.folder / RESULTS).is_file():
             return
         report, button = self.project.report(self.page.language), self.page.button
         with self.found:
@@ -105,7 +104,8 @@ class ResultPart:
                 _link("HDF5", RESULTS)
                 _link(CONFIG, CONFIG)
             Panel(self.page, say("app.results.commands"), self._show_commands)
-            if report.is_file():
+        if report.is_file():
+            with self.report:
                 frame = ui.element("iframe").classes("report").props(f'title="{say("app.results.report")}"')
                 frame.on("load", js_handler=FIT)
                 frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')

@@ -18,7 +18,7 @@ from starlette.requests import ClientDisconnect
 
 from rockpulse.app.guard import Guard
 from rockpulse.app.page import show_page
-from rockpulse.app.project import Project, safe_name
+from rockpulse.app.project import Kind, Project, safe_name
 from rockpulse.errors import ConfigError
 from rockpulse.views.shared.words import LANGUAGES
 
@@ -63,21 +63,17 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         fresh = {"cache-control": "no-store"}
         return FileResponse(project.folder / name, filename=name, content_disposition_type=kind, headers=fresh)
 
-    takes: dict[str, Callable[[str, Path], object]]
-    takes = {"records": project.add_record, "bodies": project.add_table, "hazard": project.set_hazard}
-
     @app.post("/upload/{kind}")
-    async def upload(request: Request, kind: str, name: str) -> Response:
+    async def upload(request: Request, kind: Kind, name: str) -> Response:
         path = project.folder / f".{secrets.token_hex(4)}-{safe_name(name)}"
         try:
             with path.open("xb") as file:
                 async for part in request.stream():
                     file.write(part)
-            if kind not in takes or path.stat().st_size != int(request.headers["content-length"]):
-                return Response(status_code=400)  # without the rest of the file: the browser has cut it off
-            takes[kind](name, path)
+            if path.stat().st_size == int(request.headers["content-length"]):  # the browser has not cut it off
+                project.take(kind, name, path)
         except ConfigError as error:
-            return PlainTextResponse(str(error).replace(str(path), name), 400)
+            return PlainTextResponse(str(error), 400)
         finally:
             path.unlink(missing_ok=True)
         return Response()

@@ -3,11 +3,12 @@
 from functools import partial
 from typing import Any
 
-from nicegui import events, ui
+from nicegui import ui
 
-from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
+from rockpulse.app.fields import Fields, plain_error, text_of
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
+from rockpulse.app.upload import file_input
 from rockpulse.app.window import Panel, Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
@@ -89,15 +90,13 @@ class SitePart:
 
     def _show_hazard_panel(self) -> None:
         ui.label(say("app.site.hazard_intro")).classes("soft")
-        file_input(say("app.site.hazard_file"), "hazard", self.page.handler(self._hazard_taken))
+        file_input(self.page, say("app.site.hazard_file"), "hazard", self._take_hazard)
         self.hazard = ui.element("div").classes("wide")
         self._show_hazard()
 
-    def _hazard_taken(self, event: events.GenericEventArguments) -> None:
-        if not event.args["sending"]:
-            self._show_hazard()
-            self.page.shown_error()
-            refused(event.args["faults"])
+    async def _take_hazard(self) -> None:
+        self._show_hazard()
+        self.page.shown_error()
 
     def _show_hazard(self) -> None:
         self.hazard.clear()

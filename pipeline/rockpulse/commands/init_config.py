@@ -4,7 +4,6 @@ import argparse
 import json
 import re
 import textwrap
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +33,8 @@ def config_template() -> str:
     order = sorted(FRAGILITY, key=lambda name: name not in USUAL)
     entries = {f'{"    " if name in USUAL else "    # "}"{name}",': MEASURES[name] for name in order}
     fields["fragility"] = "\n".join(f"{entry:<{BEGIN}}# {_meaning(measure)}" for entry, measure in entries.items())
+    from importlib.resources import files  # imported late, as the help does not need it
+
     text = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
     return "\n".join(_filled(line, fields) for line in text.split("\n"))
 

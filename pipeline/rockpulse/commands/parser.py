@@ -33,11 +33,11 @@ class Verb:
     run: Callable[[argparse.Namespace], int]
     examples: tuple[str, ...] = ()  # example command lines
 
-    def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-        """Add a parser for the command to the subparsers of the program."""
+    def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]", complete: bool = True) -> None:
+        """Add a parser for the command to the subparsers of the program, with its options if `complete`."""
         epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
-        for table in self.options:
+        for table in self.options if complete else ():
             target = parser.add_mutually_exclusive_group() if isinstance(table, Either) else parser
             for words, entry in table.items():
                 text, more = (entry, {}) if isinstance(entry, str) else entry

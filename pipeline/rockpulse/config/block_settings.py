@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
-#: kappa of a cantilever [-]: 2 pi sqrt(12)/1.8751^2 of the beam with distributed mass, rounded as in the circular.
+#: Coefficient kappa of the period T_0 of a cantilever [-]: 2 pi sqrt(12)/1.8751^2, rounded as in Circolare 7/2019.
 CANTILEVER = 6.2
-#: An unusually large size is assumed to be in millimetres above this number, and in centimetres below it.
+#: An unusually large size is assumed to be in millimetres from this number on, and in centimetres below it.
 _MILLIMETRES = 500.0
 
 
@@ -108,8 +108,8 @@ class BlockSettings(Section):
     one_sided : bool
         Whether the body stands against a wall and can fall only away from it.
     rebound : float, str, tuple of float or None
-        For a one-sided body, instead of the restitution: the share of speed that remains after the impact on the wall
-        [-], or "sorrentino" (default).
+        For a one-sided body, instead of the restitution: the share of the speed that remains after the impact on the
+        wall [-], or "sorrentino" (default), the value of Sorrentino et al. (:meth:`rocking.Block`).
     facing, azimuth : float or None
         Azimuths, clockwise from north [degrees], towards which a one-sided body falls, and in which the body rocks (for
         pairs of channels). `azimuth` is by default `facing`, or the azimuth of [records] if neither is given.
@@ -202,8 +202,8 @@ class BlockSettings(Section):
                 object.__setattr__(self, "length", 1.0)  # the depth does not depend on it
             if self.density is None or self.length is None or self.pedestals:
                 raise ConfigError(
-                    f"{self.where} compressive_strength: crushing of the edge needs width, height and density, with "
-                    "ties, loads or thrusts also length, and no pedestal; change these keys, or remove "
+                    f"{self.where} compressive_strength: crushing of the edge needs width, height and density (and "
+                    "length, if there are ties, loads or thrusts), and no pedestal; change these keys, or remove "
                     "compressive_strength"
                 )
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
@@ -246,7 +246,7 @@ class BlockSettings(Section):
 
     @property
     def initial_period(self) -> float:
-        """T_0 = kappa (height/width) height sqrt(density/E) [s], Circolare 7/2019, (C8.7.1.7); 0 without E."""
+        """T_0 = kappa (height/width) height sqrt(density/E) [s], Circolare 7/2019, (C8.7.1.7); 0 if E is not given."""
         if self.elastic_modulus is None or self.width is None or self.height is None or self.density is None:
             return 0.0
         kappa = CANTILEVER if self.kappa is None else self.kappa
@@ -282,7 +282,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """Return by name this body joined with its first pedestal, with its first two pedestals, and so on."""
+        """Return, by name, this body joined with its first pedestal, with its first two pedestals, and so on."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}

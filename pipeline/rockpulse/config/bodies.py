@@ -19,7 +19,7 @@ from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 from rockpulse.warning_text import WarningText, with_codes
 
-#: Largest ratio of the masses of body and floor at which the body hardly changes the floor's motion [-].
+#: Largest mass of a body divided by the mass of its floor [-] at which the body hardly changes the floor's motion.
 LIGHT = 0.05
 
 
@@ -59,7 +59,7 @@ class Bodies:
     tie_count: int
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group bodies (indices) by the motion under them; directions `within` degrees of `azimuth` count as equal."""
+        """Return each motion under bodies with their indices; directions `within` degrees of `azimuth` equal it."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -137,8 +137,8 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     for name, block in single.items():
         if any(np.ptp(values) > 0.0 for values in (block.p, block.alpha_c, block.radius)):
             raise ConfigError(
-                f'block "{name}": the cases of a body may differ in restitution only; '
-                "give bodies of other sizes other names"
+                f'block "{name}": the blocks of one body may differ only in restitution; '
+                "give bodies of different sizes different names"
             )
 
     facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
@@ -176,7 +176,8 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     )
 
 
-#: Keys that a rectangle made together with others may have, and its least slenderness: below 3 a body has a warning.
+#: Keys that may be given for a rectangle that is made together with others, and its smallest slenderness (a body of
+#: slenderness below 3 gets a warning).
 PLAIN = ("name", "width", "height", "gravity", "confirm_size", "azimuth", "friction")
 LEAST_PLAIN = 3.001
 _DEFAULTS = {one.name: one.default for one in fields(BlockSettings) if one.name not in PLAIN}
@@ -231,7 +232,7 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
         return []
     return [
         f"mass {mass:.4g} kg is {mass / min(masses):.2g} of the mass of its floor: the floor's motion is computed "
-        f"without the body, which is accurate up to {LIGHT:g}"
+        f"without the body, which is accurate up to a ratio of {LIGHT:g}"
     ]
 
 

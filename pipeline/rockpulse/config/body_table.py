@@ -48,7 +48,7 @@ class BodyColumns(NamedTuple):
     """A table of bodies as text, in the units of the configuration, with keys as headings."""
 
     cells: "pd.DataFrame"
-    unused: tuple[str, ...]  #: headings of the columns that are no keys
+    unused: tuple[str, ...]  #: headings that are not keys
 
 
 @cache
@@ -65,7 +65,7 @@ def _keys() -> dict[str, str]:
 
 
 def body_template() -> list[str]:
-    """Return the lines of a table of two bodies, with comments on the other columns."""
+    """Return the lines of an example table with two bodies, with a comment that lists all further columns."""
     others = [f"{name} [{unit}]" if unit else name for name, unit in _keys().items()]
     others = [one for one in others if one not in _TEMPLATE[0].split(",")]
     return [
@@ -79,8 +79,8 @@ def body_template() -> list[str]:
 def read_body_columns(path: str | Path) -> BodyColumns:
     """Read a table of bodies, with numbers converted to the units of the configuration.
 
-    Raises ConfigError if there is no such table, or for a column with a misspelt key, without its unit or with a wrong
-    one.
+    Raises ConfigError if there is no such table, or if the heading of a column is a misspelt key, or lacks the unit of
+    the key, or has a wrong one.
     """
     table = _table(Path(path))
     unused, taken = [], {}
@@ -114,7 +114,7 @@ def _table(path: Path) -> "pd.DataFrame":
     try:
         sheets = sheet_texts(path.read_bytes())
     except ImportError:
-        raise ConfigError(f"{path}: workbooks are read by openpyxl: pip install openpyxl; or save it as CSV") from None
+        raise ConfigError(f"{path}: a workbook is read by openpyxl (pip install openpyxl); or save it as CSV") from None
     except Exception as fault:  # openpyxl may raise any error for a damaged part
         raise ConfigError(f"{path}: cannot be read as a workbook ({fault}); save it as CSV") from fault
     return table_of(str(path), sheets[0])
@@ -128,7 +128,7 @@ def _parts(heading: str) -> tuple[str, str]:
 
 
 def _times(cell: str, factor: Decimal) -> str:
-    """Return the numbers of a cell times a factor; other text is unchanged."""
+    """Return a cell with its numbers multiplied by a factor; other text is unchanged."""
     try:
         return cell if factor == 1 else " ".join(str(Decimal(word) * factor) for word in cell.split())
     except InvalidOperation:
@@ -178,8 +178,8 @@ def load_bodies(path: str | Path) -> tuple[BlockSettings, ...]:
     path : str or Path
         A CSV file or the first sheet of a workbook (XLSX). Headings are keys with their unit in brackets, such as
         ``width [cm]``; a key without a unit has none. Columns such as ``tie.height [m]`` describe one tie, load,
-        thrust, floor or pedestal of the body. Cells that are empty take the default of the key. Columns that are no
-        keys are ignored.
+        thrust, floor or pedestal of the body. An empty cell means the default of the key. Columns whose headings are
+        not keys are ignored.
 
     Returns
     -------

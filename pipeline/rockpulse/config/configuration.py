@@ -27,7 +27,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Sections that may occur more than once.
 SEVERAL = ("block", "demand")
-#: Relative tolerance within which two statements of the demand agree.
+#: Largest relative difference of two PGAs that are regarded as the same demand.
 SAME = 0.02
 #: Name of a stored configuration in messages.
 STORED = "the configuration stored in the results"
@@ -43,10 +43,10 @@ class Config:
     uncertainty, calibration, selection, fragility, hazard, check, report, run : Section
         One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
     bodies, demands : tuple of BlockSettings, tuple of DemandSettings
-        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. The default with
-        `site.pga` is this demand, with `site.ag` the PGA a_g S, with S of `site.ground` by the code of `check`.
+        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. If no demand is
+        given, it is `site.pga`, or the PGA a_g S from `site.ag`, with S for `site.ground` by the code of `check`.
     folder : Path
-        Folder of the file, to which ``records.paths`` is relative. Ignored in comparisons and in the text.
+        Folder of the file, to which ``records.paths`` is relative; comparisons and :meth:`as_text` ignore it.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class Config:
             raise ConfigError(f"[[block]] restitution: expected lists of equal length in all blocks, found {found}")
         if self.models.histories and self.records.store == "none":
             raise ConfigError(
-                '[models] histories: true, but [records] store = "none" leaves them out of the results; '
+                '[models] histories = true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
             )
         tables = [("[fragility]", self.fragility.selection)]
@@ -124,7 +124,7 @@ class Config:
 
     @property
     def site_demand(self) -> settings.DemandSettings | None:
-        """The demand that [site] gives: `pga`, or a_g S; None if it gives none."""
+        """The demand from section [site]: `pga`, or a_g S; None if neither `pga` nor `ag` is given."""
         if self.site.pga is not None:
             return settings.DemandSettings(value=self.site.pga)
         if self.site.ag is None:
@@ -143,7 +143,7 @@ class Config:
 
     @cached_property
     def bodies_digest(self) -> str:
-        """SHA-256 of all bodies; it is computed once, and does not include whether a size is confirmed."""
+        """SHA-256 of all keys of all bodies, except whether a size is confirmed; it is computed once."""
         return hashlib.sha256(repr([_facts_of(body) for body in self.bodies]).encode()).hexdigest()
 
     def as_text(self) -> str:
@@ -275,7 +275,7 @@ def load_config(path: str | Path) -> Config:
 
 
 def _require_one_demand(config: Config) -> None:
-    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the PGA of [site]."""
+    """Raise ConfigError if a [[demand]] in the limit state of the checks states another PGA than [site]."""
     state, of_site = config.check.limit_state, config.site_demand
     given = [one for one in config.demands if one.measure == PGA and one.value is not None]
     given = [one for one in given if one.limit_state.casefold() in ("", state)]
@@ -285,7 +285,7 @@ def _require_one_demand(config: Config) -> None:
     checks = "" if config.site.ag is None else ", or move ag and ground to [check] if only the checks need them"
     raise ConfigError(
         f"[[demand]] {given[0].name}: expected the PGA of [site], {wanted} ({of_site.name}), found {found}; remove the "
-        f"wrong one, or state the limit_state of the demand if it is another one{checks}"
+        f"wrong one, or state the limit_state of the demand if it has another limit state{checks}"
     )
 
 

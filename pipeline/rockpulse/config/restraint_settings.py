@@ -14,7 +14,7 @@ class _OfModel(Section):
     """Base class of settings whose keys are the arguments of a class of :mod:`rocking`."""
 
     def made(self) -> Any:
-        """Return the object of the class in :mod:`rocking` with these values."""
+        """Return an object of the corresponding class of :mod:`rocking` with these values."""
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))

@@ -25,7 +25,7 @@ MOST_WORKERS = 10_000
 
 
 def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "remove it") -> ConfigError:
-    """Return the error for keys that the value of another key does not allow."""
+    """Return the error for `keys` that may only be given if another key has the value `words`."""
     they = "they belong" if "," in keys else "it belongs"
     return ConfigError(f'{section.where} {keys}: {they} to {key} = {words}, found {key} = "{section[key]}"; {advice}')
 
@@ -123,7 +123,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """Return these settings with the given unit and interval [s], also in place of those in [[records.file]]."""
+        """Return these settings with the given unit and interval [s], which also replace those in [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -154,7 +154,7 @@ class ConditioningSettings(Section):
         super().__post_init__()
         if self.highpass_hz is not None and self.lowpass_hz is not None and self.highpass_hz >= self.lowpass_hz:
             raise ConfigError(
-                f"[conditioning] highpass_hz: expected a corner below lowpass_hz = {self.lowpass_hz:g} Hz, "
+                f"[conditioning] highpass_hz: expected a frequency below lowpass_hz = {self.lowpass_hz:g} Hz, "
                 f"found {self.highpass_hz:g}; nothing would be left of the record"
             )
 
@@ -229,7 +229,7 @@ class SequenceSettings(Section):
         return {name: value for name, value in {**self}.items() if name != "method"}
 
 
-#: A value with its unit.
+#: Pattern of a value with its unit.
 _WITH_UNIT = re.compile(r"(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(\D.*)?", re.ASCII)
 _VALUE = KeyType(
     f'a number > 0 in {units_in_words(DEMAND)}, or a text with its unit, such as "0.35 g"',
@@ -246,7 +246,7 @@ class DemandSettings(Section):
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
     `selection` replaces measure and value: a table with the columns record and factor, as :func:`rockpulse.select`
     makes it; each record is scaled by its own factor. `confirm_value` accepts a value above those of usual demands
-    (PGA 2 g, PGV 3 m/s, SI 5 m/s, Sa 6 g), which mostly has another unit.
+    (PGA 2 g, PGV 3 m/s, SI 5 m/s, Sa 6 g); without it such a value is rejected, as its unit is probably wrong.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
     DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
@@ -364,7 +364,7 @@ class CalibrationSettings(Section):
 
 @dataclass(frozen=True)
 class RunSettings(Section):
-    """Options of the execution of a run.
+    """Number of parallel processes and random seed of a run.
 
     >>> rp.RunSettings(workers=0)
     Traceback (most recent call last):

@@ -27,15 +27,16 @@ MODELS = ("lognormal", "logistic")
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
-#: Number of values that represent a normal distribution; the largest value, with which linear interpolation between
-#: the values has the stated deviation; smallest distance of the mean from 0 and from 2. Both are in deviations.
+#: Number of values that represent a normal distribution; distance of the largest value from the mean, with which linear
+#: interpolation between the values has the stated deviation; smallest distance of the mean from 0 and from 2. Both
+#: distances are in standard deviations.
 VALUES, LARGEST_VALUE, MOST_DEVIATIONS = 65, 2.89, 3.0
 #: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Return whether a value is a list of positive numbers, of at least one or exactly `count` numbers."""
+    """Return whether a value is a list of exactly `count` positive numbers, or of one or more if `count` is 0."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -176,7 +177,7 @@ class FragilitySettings(Section):
     Raises
     ------
     ConfigError
-        If a selection is given without stripes.
+        If `selection` is given and `data` is not "stripes".
 
     Examples
     --------
@@ -319,7 +320,7 @@ class CheckSettings(Section):
         missing = [name for name in needed if name not in named]
         if named and missing:
             raise ConfigError(
-                f"[check] {missing[0]}: {self.spectrum} requires it in addition to {', '.join(named)}; give it"
+                f"[check] {missing[0]}: {self.spectrum} requires this key in addition to {', '.join(named)}; give it"
             )
 
     @property

@@ -1,4 +1,4 @@
-"""Reads strong-motion files; its import loads neither obspy, pandas, numba nor xarray."""
+"""Reads strong-motion files. The import of this package does not load obspy, pandas, numba or xarray."""
 
 import os
 from dataclasses import replace
@@ -37,7 +37,7 @@ def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
                 records = pair.directed(file.name, records)
             return records
     kind = Unrecognised if may_be_record(file) else NoRecord
-    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} ('rockpulse formats' lists what is read)")
+    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} ('rockpulse formats' lists the formats)")
 
 
 def read(

@@ -68,12 +68,12 @@ class Archive:
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
-    """Raise an error for too many members or bytes, or if members overlap, as in a zip bomb."""
+    """Raise an error if an archive has too many members or bytes, or if its members overlap, as in a zip bomb."""
     if len(entries) > MEMBER_LIMIT:
         raise RecordRefused(f"{path}: {len(entries)} members, expected at most {MEMBER_LIMIT}; split the archive")
     total = sum(entry.file_size for entry in entries)
     if total > TOTAL_LIMIT:
-        raise RecordRefused(f"{path}: members of {total} bytes, expected at most {TOTAL_LIMIT}; split the archive")
+        raise RecordRefused(f"{path}: {total} bytes in all members, expected at most {TOTAL_LIMIT}; split the archive")
     by_place = sorted(entries, key=lambda entry: entry.header_offset)
     for entry, following in pairwise(by_place):
         if entry.header_offset + _LOCAL_HEADER + entry.compress_size > following.header_offset:
@@ -97,8 +97,8 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
     if entry.file_size > FILE_LIMIT:
         raise RecordRefused(f"{name}: {entry.file_size} bytes, expected at most {FILE_LIMIT}")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
-        times = f"{entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is {RATIO_LIMIT}"
-        raise RecordRefused(f"{name}: compressed {times}; unpack it by hand if it is a record")
+        found = f"its compression ratio is {entry.file_size / max(entry.compress_size, 1):.0f}, above {RATIO_LIMIT}"
+        raise RecordRefused(f"{name}: {found}, the limit; unpack it by hand if it is a record")
     try:
         with archive.open(entry) as stream:
             # The declared size limits the read, even if the compressed data would expand further.

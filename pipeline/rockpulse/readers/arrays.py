@@ -16,9 +16,9 @@ from rockpulse.record.record import Record
 _WORKBOOKS = (".xlsx", ".xlsm")
 _SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
 _DELIMITER = ";"  # delimiter of the cells in the text; not a comma, which a cell may contain
-#: Smallest number of rows of a sheet with samples (a shorter one may be a list), and of numbers in an array.
+#: Smallest number of rows of a sheet with samples (a shorter one may be a list), and smallest size of an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
-#: Words known to the reader of columns, for names of single numbers (in lower case).
+#: Names of single numbers (in lower case), each with the word that the reader of columns knows.
 _NUMBERS = dict.fromkeys(("dt", "delta", "deltat", "step", "time_step", "timestep", "sampling_interval"), "dt")
 _NUMBERS |= dict.fromkeys(("fs", "sps", "sampling_rate", "samplerate", "sample_rate", "rate"), "sampling rate")
 _NUMBERS |= dict.fromkeys(("npts", "nsamples"), "npts") | dict.fromkeys(("pga",), "pga")
@@ -62,7 +62,7 @@ def _workbook(file: SourceFile) -> Iterable[str]:
     try:
         sheets = sheet_texts(file.content)
     except ImportError as fault:
-        found = "a workbook, which pandas reads with openpyxl: pip install openpyxl"
+        found = "a workbook needs the package openpyxl (pip install openpyxl)"
         raise RecordRefused(f"{file.name}: {found}; or save it as CSV, with headings and units") from fault
     except Exception as fault:  # openpyxl may raise any error for a damaged part
         found = f"cannot be read as a workbook ({fault}); {advice(file)}"
@@ -108,7 +108,7 @@ def _matlab(file: SourceFile) -> Iterable[str]:
     try:
         found = loadmat(io.BytesIO(file.content), squeeze_me=True, struct_as_record=True)
     except NotImplementedError as fault:  # raised by scipy for version 7.3
-        raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which is not read; {_SAVE}") from fault
+        raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which cannot be read; {_SAVE}") from fault
     except Exception as fault:  # scipy raises anything from ValueError to TypeError on damaged bytes
         raise RecordFormatError(f"{file.name}: cannot be read as a MATLAB file: {fault}; {_SAVE}") from fault
     variables: dict[str, Any] = {}
@@ -144,7 +144,7 @@ def _texts(arrays: Mapping[str, Any]) -> list[str]:
 
 
 def _table(prose: list[str], named: list[tuple[str, np.ndarray]]) -> str:
-    """Return the columns as a table below the header text, with headings if the columns have names."""
+    """Return a table as text: header text, headings (if the columns have names), and the columns."""
     # Columns without names (of a series without a name, or of a matrix) are written without headings.
     bare = all(not name.strip(" 0123456789") for name, _ in named)
     heading = [] if bare else [_DELIMITER.join(name.replace(_DELIMITER, ",") or "value" for name, _ in named)]

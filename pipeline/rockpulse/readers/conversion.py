@@ -21,7 +21,7 @@ from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed
 from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
-_UNDERFLOW = 1e-97  # largest error of a number with few digits near zero [m/s2]
+_UNDERFLOW = 1e-97  # largest error of a sample that is written as zero [m/s2]
 #: Largest relative change of a sampling interval by writing and reading: miniSEED stores the rate in single precision.
 _STEP_TOLERANCE = 1e-7
 _AZIMUTH_TOLERANCE = 1e-4  # largest change of an azimuth by writing and reading [degrees]
@@ -52,8 +52,8 @@ _AT2 += "the codes, the processing or the warnings"
 _CSV = "CSV stores accelerations in m/s2 at full precision, the interval and the direction (in whole degrees), and "
 _CSV += "nothing else"
 _MSEED = "miniSEED stores accelerations in m/s2 at full precision, start times, and codes as far as they fit; its "
-_MSEED += "StationXML, of the same name, the directions and whether a record is raw; it does not store the event, the "
-_MSEED += "processing or the warnings"
+_MSEED += "StationXML, which has the same name, stores the directions and whether a record is raw; the event, the "
+_MSEED += "processing and the warnings are not stored"
 #: The formats by their names for ``rockpulse convert --format``.
 WRITERS = {
     "at2": Writer(".AT2", _AT2, at2_bytes, digits=0.51e-7, structure=True),
@@ -80,26 +80,27 @@ def write(
         Records to write, at least one, with distinct ids. Samples are written unchanged: a raw record remains raw.
     out : path
         A file, whose suffix gives the format, or for AT2 and CSV a folder. An AT2 or CSV file contains one record:
-        several records are written to ``out`` with the channel (or the id) before the suffix; in a folder, file names
-        are ids. A miniSEED file contains all records, and a StationXML of the same name is written next to it.
+        of several records, each is written to a file with the channel (or the id) before the suffix of ``out``; in a
+        folder, file names are ids. A miniSEED file contains all records, and a StationXML of the same name is written
+        next to it.
     format : {"at2", "csv", "mseed"}, optional
         Required for a folder; by default the format of the suffix.
     overwrite : bool
-        Whether existing files may be replaced: a StationXML only if rockpulse wrote it, and source files of the records
-        never.
+        Whether existing files may be replaced. A StationXML is replaced only if rockpulse wrote it; the files from
+        which the records were read are never replaced.
 
     Returns
     -------
     list of Written
         The files in the order of the records. Only AT2 states that a channel is on a structure; for the other formats
-        this is logged as a warning.
+        a warning is logged.
 
     Raises
     ------
     ConfigError
         If there is no record, the format is unknown, a file exists already, or a folder does not exist.
     RecordRefused
-        If a record read from the file would differ; nothing is written.
+        If a record would not be the same after writing and reading; nothing is written.
     OSError
         For an error of the operating system; all files remain unchanged.
 
@@ -131,7 +132,7 @@ def write(
         files.commit()
     for record in records:
         if record.orientation == "structural" and not writer.structure:
-            logger.warning("%s: on a structure, which %s files cannot store", record.id, writer.suffix)
+            logger.warning("%s: the sensor is on a structure, which %s files cannot state", record.id, writer.suffix)
     return written
 
 
@@ -165,10 +166,12 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
             f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
         )
     if by_suffix is None and out.suffix and not out.is_dir():
-        ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
+        ends, advice = WRITERS[key].suffix, "correct the name, or, if it is meant as a folder, create it first"
         raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and by_suffix != key:
-        raise ConfigError(f"{out}: the file name means {by_suffix}, but the format is {key}; correct one of them")
+        raise ConfigError(
+            f"{out}: the suffix belongs to the format {by_suffix}, but the format is {key}; correct one of them"
+        )
     if folder and out.exists() and not out.is_dir():
         raise ConfigError(
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
@@ -183,7 +186,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
         return {out: list(records)}
     ids = [record.id.lstrip(".") for record in records]  # a file that begins with a point is hidden
     if len({name.lower() for name in ids}) < len(ids):
-        raise ConfigError(f"{out}: expected records of different ids, found {', '.join(ids)}; write fewer at a time")
+        raise ConfigError(f"{out}: expected records with different ids, found {', '.join(ids)}; write fewer at a time")
     if folder:
         return {out / f"{name}{writer.suffix}": [record] for name, record in zip(ids, records, strict=True)}
     channels = [re.sub(r"[^A-Za-z0-9_~-]+", "_", record.channel) for record in records]
@@ -194,7 +197,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Yield the path of the StationXML of each file; raise an error if another miniSEED file uses the same path."""
+    """Yield the path of the StationXML of each miniSEED file; raise an error if another file would use it, too."""
     if writer.one is not None:
         return
     for path in targets:
@@ -220,11 +223,11 @@ def _shares_station_file(other: Path, path: Path) -> bool:
 
 
 def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
-    """Raise an error if a file to write exists and may not be replaced, or is the source of a record."""
+    """Raise an error if a file to write exists and may not be replaced, or if a record was read from it."""
     for path in paths:
         check_link(path)
         if os.path.realpath(path) in sources:
-            raise ConfigError(f"{path}: a record comes from this file; choose another name")
+            raise ConfigError(f"{path}: a record was read from this file; choose another name")
         if path.exists() and not path.is_file():
             raise ConfigError(f"{path}: expected the name of a file, found a folder or a device")
         if path.exists() and not overwrite:
@@ -264,10 +267,10 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
     try:
         back = read_source(SourceFile(str(path), content[:HEAD], lambda: content, station_files), ReadOptions("m/s2"))
     except RockpulseError as fault:
-        found = f"would not be read again ({fault}); no file was kept, write into another folder"
+        found = f"the file could not be read back ({fault}); no file was kept: write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: of {len(records)} written records {len(back)} were read back; no file was kept")
+        raise RecordRefused(f"{path}: only {len(back)} of {len(records)} records could be read back; no file was kept")
     for again in back:
         # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
@@ -276,30 +279,30 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
             raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; no file was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
-            reason = f"the sampling interval of {record.id}, {record.dt!r} s, would be read again as {again.dt!r} s"
+            reason = f"the sampling interval of {record.id}, {record.dt!r} s, would be read back as {again.dt!r} s"
             raise RecordRefused(f"{path}: {reason}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
-            raise RecordRefused(f"{path}: {record.id}: {lost}; no file was kept, use another format")
+            raise RecordRefused(f"{path}: {record.id}: {lost}; no file was kept: use another format")
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Return how direction or processing differ after reading `again`; a missing value counts only if `whole`."""
+    """Return how the record read back, `again`, differs in direction or processing; missing values count if `whole`."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
-        return f"the orientation would be read again as {again.orientation!r} instead of {orientation_of(record)!r}"
+        return f"the orientation would be read back as {again.orientation!r} instead of {orientation_of(record)!r}"
     azimuth, back = azimuth_of(record), again.azimuth
     known = record.orientation != "vertical" and np.isfinite(azimuth)
     off = abs((back - azimuth + 180.0) % 360.0 - 180.0) if known else np.nan
     missing = not np.isfinite(back)
     if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
-        return f"the azimuth would be read again as {back:g} instead of {azimuth:g}"
+        return f"the azimuth would be read back as {back:g} instead of {azimuth:g}"
     return _wrong_state(record, again, whole)
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return how the processing state differs after reading `again`; a missing state counts only if `whole`."""
+    """Return how the record read back, `again`, differs in processing; a missing state counts only if `whole`."""
     if again.processed != record.processed and (whole or again.processed is not None):
-        return f"processed would be read again as {again.processed} instead of {record.processed}"
+        return f"its property processed would be read back as {again.processed} instead of {record.processed}"
     return ""

@@ -1,4 +1,4 @@
-"""Pairs of files, each with one of the two horizontal components of a recording, which the files do not state."""
+"""Pairs of files with the two horizontal components of one recording, for files that state no direction."""
 
 import math
 import os
@@ -18,7 +18,7 @@ _NAME = KeyType(
     lambda value: isinstance(value, str) and bool(value.strip()) and not set("*?") & set(value),
     str,
 )
-#: Directions of the two files, clockwise from north [degrees], and largest difference of a stated direction.
+#: Directions of the two files, clockwise from north [degrees], and tolerance of a direction that a file states.
 SIDES = {"north": 0.0, "east": 90.0}
 SAME_LINE = 5.0
 #: Remedy for a file without a partner, or with a wrong one.
@@ -27,15 +27,15 @@ PAIR = Remedy("pair")
 
 @dataclass(frozen=True)
 class PairSettings(Section):
-    """Two files of one channel each that are the horizontal components of one recording; in TOML [[records.pair]].
+    """Two files with the horizontal components of one recording, one in each; section [[records.pair]] in TOML.
 
-    The channels then have the directions north and east, and are a pair of one instrument and one earthquake. If the
-    true directions are unknown, any two perpendicular axes of the instrument may be called so.
+    The channels get the directions north and east, and are used as a pair that one instrument recorded in one
+    earthquake. If the true directions are unknown, the two axes of the instrument may be called north and east.
 
     Attributes
     ----------
     north, east : str
-        Name of the file, or end of its path, also of a member of a zip archive, such as ``a.csv`` or ``hall/a.csv``.
+        Name, or end of the path, of a file or of a member of a zip archive, such as ``a.csv`` or ``hall/a.csv``.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class PairSettings(Section):
 
     @property
     def where(self) -> str:
-        """Return the name of this section in messages."""
+        """Return the text by which messages refer to this section."""
         return f'[[records.pair]] north = "{self.north}"' if isinstance(self.north, str) else self.heading
 
     def __post_init__(self) -> None:
@@ -73,12 +73,12 @@ class PairSettings(Section):
         return ""
 
     def directed(self, name: str, records: Sequence[Record]) -> list[Record]:
-        """Return the channel of a file of this pair with its direction; raise an error if the file contradicts it."""
+        """Return the channel of a file of this pair with its direction; raise an error if it states another one."""
         side = self.side(name)
         if len(records) != 1:
             raise RecordFormatError(
-                f"{name}: expected one channel, as {self.where} calls the file {side}, found {len(records)}; remove "
-                "the entry, and state the directions in the headings",
+                f"{name}: expected one channel, because {self.where} calls the file {side}, found {len(records)}; "
+                "remove the entry, and state the directions in the headings",
                 PAIR,
             )
         (record,) = records
@@ -88,7 +88,7 @@ class PairSettings(Section):
             stated = f"the direction {record.azimuth:g} degrees" if off > SAME_LINE else ""
         if stated:
             raise RecordFormatError(
-                f"{name}: the file states {stated}, {self.where} calls it {side}; correct one", PAIR
+                f"{name}: the file states {stated}, {self.where} calls it {side}; correct one of them", PAIR
             )
         record = replace(record, orientation="horizontal", together=f"{self.north} and {self.east}")
         if math.isfinite(record.azimuth):
@@ -102,7 +102,10 @@ def _plain(name: str) -> str:
 
 
 def path_spellings(name: str) -> list[str]:
-    """Return the absolute path of a file, for a member also the paths of archive and member, and all without .gz."""
+    """Return the absolute path of a file; for a member of an archive, also the path of the archive and the path in it.
+
+    Paths that end in ``.gz`` are also returned without this suffix.
+    """
     path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
     archive, _, member = path.partition("!")
     parts = [path, archive, f"/{member}"] if member else [path]
@@ -117,7 +120,7 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
             found = [name for name in names if pair.side(name) == side]
             where = f'[[records.pair]] {side} = "{pair[side]}"'
             if not found:
-                advice = "correct the name, or add the folder of this file to the records of the command"
+                advice = "correct the name, or add the folder that contains the file to the paths of the command"
                 raise ConfigError(f"{where}: no such file among the files to read ({len(names)} in all); {advice}")
             if len(found) > 1:
                 several = f"{len(found)} files have this name: {some(found, 2)}"
@@ -128,7 +131,7 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
 
 
 def without_unlike(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records without pairs that differ in interval, length or start, and failures for these pairs."""
+    """Return the records, and failures for pairs that are left out because interval, length or start time differ."""
     groups: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         if record.together:
@@ -153,7 +156,7 @@ def _difference(one: Record, other: Record) -> str:
     if one.npts != other.npts:
         return (
             f"expected equal numbers of samples in {files}, found {one.npts} and {other.npts}; if both begin at the "
-            "same time, cut the longer one, otherwise remove the entry"
+            "same time, shorten the longer one, otherwise remove the entry"
         )
     if one.start_time != other.start_time and None not in (one.start_time, other.start_time):
         return f"expected equal start times in {files}, found {one.start_time} and {other.start_time}"

@@ -1,4 +1,4 @@
-"""Reads records from files, folders, globs and zip archives; a file that fails becomes a row of failures."""
+"""Reads records from files, folders, globs and zip archives; every file that fails is listed as a failure."""
 
 import glob
 import logging
@@ -69,16 +69,15 @@ def read(
     ----------
     path : str, path or binary file
         A file, plain or compressed with gzip, or an open file, which is read from its current position. A folder is
-        read as by `rockpulse.read_all`; files without a record, which that function returns, are logged as warnings
-        here.
+        read as by `rockpulse.read_all`; the failures that it returns, except skipped files, are logged as warnings.
     units : str, optional
         Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
     dt : float, optional
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
-        How counts with a StationXML become m/s2; see `ReadOptions`.
+        How counts are converted to m/s2 with a StationXML; see `ReadOptions`.
     stationxml : str, path or binary file, optional
-        Station metadata of miniSEED; by default the StationXML files in the folder of the file are searched.
+        Station metadata of miniSEED; by default the StationXML files in the folder of the file are used.
 
     Returns
     -------
@@ -130,7 +129,7 @@ def read_all(
     files: Sequence[FileSettings] = (),
     pairs: Sequence[PairSettings] = (),
 ) -> tuple[list[Record], list[Failure]]:
-    """Read every record under some paths.
+    """Read every record in files, folders, globs and zip archives.
 
     Parameters
     ----------
@@ -144,7 +143,7 @@ def read_all(
     dt : float, optional
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
-        How counts with a StationXML become m/s2; see `rockpulse.readers.ReadOptions`.
+        How counts are converted to m/s2 with a StationXML; see `rockpulse.readers.ReadOptions`.
     files : sequence of FileSettings, optional
         Unit and interval of some of the files, instead of `units` and `dt`; if several match a file, the last one that
         gives a property is used. A file that states something else is rejected.
@@ -160,7 +159,7 @@ def read_all(
         Sorted by file. A file that may be a record but cannot be read is "failed". Velocities, displacements, spectra
         and other files are "failed" if the user named them and "skipped" otherwise. A record with the samples and the
         interval of another file is a "duplicate", unless the directions of the two differ. The settings with which a
-        file can be read are in `remedies`.
+        file could be read are in `Failure.remedies`.
 
     Raises
     ------
@@ -201,7 +200,7 @@ def in_order(row: Failure) -> tuple[str, str]:
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Return the sorted, distinct files of some paths except `passed_over`, and failures for paths without files."""
+    """Return the sorted, distinct files under `paths`, except `passed_over`, and failures for paths without files."""
     # The files in `passed_over` are written by the run. They are not opened, as closing a file that this process has
     # locked would release the lock. Only XML files are opened, to skip metadata of stations and earthquakes.
     found: dict[str, Found] = {}
@@ -244,7 +243,7 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], options: ReadOptions) -> None:
-    """Raise ConfigError if a pattern of `files` matches no file, or a name in `pairs` not exactly one file."""
+    """Raise ConfigError if a pattern of `files` matches no file, or a name in `pairs` does not match exactly one."""
     names = [str(item.path) for item in found]
     missed = [row for row in options.files if not any(map(row.chooses, names))]
     if missed or options.pairs:
@@ -270,7 +269,7 @@ def _member_names(path: Path) -> list[str]:
 
 
 def _identity(path: PathLike) -> tuple[int, int] | None:
-    """Return device and inode, which are the same for all links to a file; None if there is no file."""
+    """Return the numbers of device and inode, which are the same for all links to a file; None if there is no file."""
     try:
         state = os.stat(path)  # noqa: PTH116 - takes any path
     except (OSError, ValueError):  # the error is reported when the file is opened

@@ -1,4 +1,4 @@
-"""Defines the rows of the table of formats (every reader has one), and the options of reading."""
+"""Defines `Format`, a row of the table of formats (one for each reader), and the options for reading files."""
 
 import math
 import re
@@ -23,14 +23,14 @@ _PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value
 
 @dataclass(frozen=True)
 class FileSettings(Section):
-    """Unit and sampling interval of the files that match a pattern; in TOML [[records.file]].
+    """Unit and sampling interval of the files that match a pattern; section [[records.file]] in TOML.
 
     Attributes
     ----------
     match : str
         Pattern of the end of a path, such as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive) or
-        ``*/a.g3``; ``*`` and ``?`` match any characters, including ``/``. Upper and lower case differ; a final ``.gz``
-        is ignored. Brackets are ordinary characters, and a backslash means ``/``.
+        ``*/a.g3``; ``*`` and ``?`` match any characters, including ``/``. The pattern is case-sensitive; ``.gz`` at
+        the end of the path is ignored. Brackets are ordinary characters, and a backslash means ``/``.
     units : str or None
         Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
     dt : float or None
@@ -39,7 +39,7 @@ class FileSettings(Section):
     Raises
     ------
     ConfigError
-        For an empty pattern, an unknown unit, or neither unit nor interval.
+        For an empty pattern or an unknown unit, or if neither unit nor interval is given.
 
     Examples
     --------
@@ -55,7 +55,7 @@ class FileSettings(Section):
 
     @property
     def where(self) -> str:
-        """Return the name of this section in messages."""
+        """Return the text by which messages refer to this section."""
         return f'[[records.file]] match = "{self.match}"' if isinstance(self.match, str) else self.heading
 
     def __post_init__(self) -> None:
@@ -69,7 +69,7 @@ class FileSettings(Section):
                 raise ConfigError(str(error)) from None
 
     def chooses(self, name: str) -> bool:
-        """Return whether the pattern matches the absolute path of a file or member, in the form of `Record.source`."""
+        """Return whether the pattern matches a file or a member of an archive, named as in `Record.source`."""
         parts = path_spellings(name)
         pattern = self.match.replace("\\", "/").removeprefix("./").replace("[", "[[]")
         return any(fnmatchcase(part, wanted) for part in parts for wanted in (pattern, f"*/{pattern}"))
@@ -77,15 +77,15 @@ class FileSettings(Section):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Properties that the caller gives for files that do not state them; see `rockpulse.read`."""
+    """Unit, sampling interval and other options that the caller gives for reading files; see `rockpulse.read`."""
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
     # "sensitivity": counts are divided by the sensitivity; "remove": the full instrument response is removed
     response: str = "sensitivity"
-    # unit and interval of some files, in place of the above; of several that match a file, the last one applies
+    # unit and interval of some files, in place of the above; if several match a file, the last one applies
     files: tuple[FileSettings, ...] = ()
-    pairs: tuple[PairSettings, ...] = ()  # files that are the two components of a recording
+    pairs: tuple[PairSettings, ...] = ()  # pairs of files with the two components of a recording
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -96,7 +96,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for a file, named as in `Record.source`, with only the `files` entries that match it."""
+        """Return the options for one file, named as in `Record.source`: its unit, its interval and its entries."""
         if not self.files and not self.pairs:
             return self
         units, dt = self._last("units", name), self._last("dt", name)
@@ -114,7 +114,7 @@ class ReadOptions:
         return f"the option {key}" if row is None else row.where
 
     def advice(self, key: str) -> str:
-        """Return the advice in a message about a file that contradicts the given property `key`."""
+        """Return the advice for a message about a file that contradicts the property `key` given by the user."""
         value = getattr(self, key)
         if self._last(key) is not None:
             return "correct the wrong one, or the pattern"
@@ -136,13 +136,13 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}", remedy)
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """Return the last FileSettings that give the property `key` and match the file `name` (any file if None)."""
+        """Return the last FileSettings with a value for `key` that match the file `name` (None: any), or None."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 
 
 def begins_with(pattern: re.Pattern[str], count: int = 200) -> Callable[[bytes, str], bool]:
-    """Return a function for `Format.detect` that looks for a pattern in the first `count` bytes of a file."""
+    """Return a function for `Format.detect` that matches a pattern to the first `count` bytes of a file."""
     return lambda head, name: bool(pattern.match(head[:count].decode("latin-1")))
 
 
@@ -153,13 +153,13 @@ class Format:
     name: str  # short name, `Record.format`
     what: str  # description of the files
     recognised: str  # how the format is recognised
-    unit: str  # unit of the values and where it comes from; "-" if nothing is read
+    unit: str  # unit of the values and where it comes from; "-" for files that are always rejected
     example: str  # a typical file name
-    detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
-    # channels in the order of the file; raises RockpulseError and nothing else
+    detect: Callable[[bytes, str], bool]  # called with the first bytes and the name; never raises an error
+    # returns the channels in the order of the file; raises only RockpulseError
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
-    processed: str = "no"  # "no" for raw files, "yes" for corrected ones, "by type", "unknown"; "-" if nothing is read
-    obspy_reads: bool = False  # whether obspy reads these files itself, so that no plugin is made
+    processed: str = "no"  # "no" for raw files, "yes" for corrected ones, "by type", "unknown"; "-" if always rejected
+    obspy_reads: bool = False  # whether obspy itself reads these files, so that it needs no plugin
     parts: PartRule | None = None  # file names of the parts, if the agency splits long records into files
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -171,5 +171,5 @@ class Format:
         records = with_copy_warnings(distinct_ids(records))
         if half is None:
             return records
-        note = "the second half of the file is a copy of the first: it was read once"
+        note = "the second half of the file is a copy of the first half; the content was read once"
         return [replace(record, source_sha256=file.sha256).with_warning(note) for record in records]

@@ -9,9 +9,9 @@ from pathlib import PurePath
 from rockpulse.errors import RockpulseError
 from rockpulse.readers.source import SourceFile
 
-#: Suffixes of files in folders of records that are ignored without a row of failures unless the user names them.
+#: Suffixes of files that are ignored in folders, without a row in the table of failures, unless the user names them.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
-#: Pattern of the first element of XML files on a station or an earthquake; other XML files may contain samples.
+#: Pattern of the first element of XML files that describe a station or an earthquake; other XML may contain samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml|inventory\b[^>]*(?:geofon|seiscomp))", re.IGNORECASE)
 #: Names of files that agencies add to their records, in lower case and without suffix.
 _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
@@ -23,7 +23,7 @@ _SUFFIXES = (
     ".mov .mp4 .odt .parquet .pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
-#: Pattern of the first bytes of files without records, whatever their name: pictures, documents, programs, data bases,
+#: Pattern of the first bytes of files without records, whatever their name: pictures, documents, programs, databases,
 #: logs such as those of ``--log-file``, responses of instruments (RESP).
 _OTHER = re.compile(
     rb"\x89PNG\r\n|\xff\xd8\xff|GIF8[79]a|%PDF-|%!PS|\x7fELF|SQLite format 3\x00|"
@@ -78,7 +78,7 @@ _COMPONENTS = 4  # largest number of channels whose rows may alternate in a seri
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
-    """Return whether a file is ignored without a message, according to its name or the start of its XML."""
+    """Return whether a file is ignored without a message, judged by its suffix or, for XML, by its content."""
     suffix = PurePath(name).suffix.lower()
     if suffix != ".xml":
         return suffix in _QUIET
@@ -89,7 +89,7 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Return whether an unrecognised file may be a record, according to its suffix, binary data or numbers."""
+    """Return whether an unrecognised file may be a record, judged by its suffix and its content."""
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False
     suffix = file.path.suffix.lower()
@@ -124,7 +124,7 @@ def _is_series(lines: Sequence[str]) -> bool:
 
 
 def _words(line: str) -> tuple[str, ...] | None:
-    """Return the words of a row except those within numbers; None for a line of prose."""
+    """Return the words of a row except those within numbers; None for a line of running text."""
     if not _DECIMAL.search(line) and len(_DIGITS.findall(line)) < len(_LETTERS.findall(line)):
         return None
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
@@ -149,5 +149,5 @@ def is_table(file: SourceFile) -> bool:
 def advice(file: SourceFile) -> str:
     """Return the advice in the message on a file that no reader recognises."""
     if file.path.suffix.lower() in _SPREADSHEETS:
-        return "it is a spreadsheet: save it as CSV, columns of time and acceleration, and give the unit"
+        return "it is a spreadsheet: save it as CSV with columns of time and acceleration, and give the unit"
     return "convert it to columns of time and acceleration, and give the unit"

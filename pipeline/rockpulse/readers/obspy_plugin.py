@@ -1,7 +1,7 @@
-"""Converts records to and from `obspy.Trace`, and makes the formats plugins of obspy: ``obspy.read("a.AT2")``, in m/s2.
+"""Converts records to and from `obspy.Trace`, and provides the plugins with which `obspy.read` reads the formats.
 
-Fields that a Trace lacks are in ``trace.stats.rockpulse``, which copies in memory and PICKLE keep. The entry points
-made by ``hatch_build.py`` refer to ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
+Data are in m/s2. Fields that a Trace lacks are in ``trace.stats.rockpulse``, which copies and PICKLE files keep. The
+entry points made by ``hatch_build.py`` refer to ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
 
 
 def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
-    """Return the record with an id of its new codes and a warning; a new channel code makes the direction unknown."""
+    """Return the record with an id from its new codes, and a warning; a new channel has no known direction."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
@@ -261,7 +261,7 @@ class Plugin:
     row: Format
 
     def is_format(self, file: str | BinaryIO) -> bool:
-        """Return whether a path or an open binary file is in this format, as rockpulse recognises it."""
+        """Return whether a path or an open binary file is in this format, by the rules of rockpulse."""
         if self.row.name in _BY_NAME_ONLY:
             return False
         try:
@@ -283,11 +283,11 @@ class Plugin:
         **others: Any,
     ) -> obspy.Stream:
         """Read every channel of a file into an obspy Stream in m/s2, with the options of `rockpulse.read`."""
-        # obspy itself applies the times afterwards; options of other formats are ignored, as its own readers do.
+        # obspy cuts the traces to the times afterwards; its own readers ignore options of other formats, too.
         import obspy
 
         if others:
-            message = "%s: obspy.read has options that are not of this format: %s"
+            message = "%s: obspy.read was given options that this format does not have: %s"
             logger.warning(message, self.row.name, ", ".join(others))
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)

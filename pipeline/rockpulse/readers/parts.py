@@ -1,4 +1,4 @@
-"""Merges records of several files: drops duplicates, and joins records that an agency split into files.
+"""Merges records of several files: drops duplicates, and joins records that an agency split into several files.
 
 Velocities and displacements among files of plain columns are detected as integrals of another file.
 """
@@ -23,10 +23,10 @@ from rockpulse.record.record import BETWEEN, Record, distinct_ids, of_kind, reco
 from rockpulse.warning_text import WarningText, code_of, find
 
 _NEVER = datetime.max.replace(tzinfo=UTC)
-_STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
+_STEP_SHARE = 0.25  # largest gap or overlap between two parts [sampling steps]; printed times are rounded
 _POINTS, _FEWEST = 128, 50  # number of samples that are compared, and smallest number of samples of a file
 _BLOCK = 64  # number of files that are compared with all others at once
-_ALIKE = 0.98  # correlation of slopes and values of two files above which one is the integral of the other
+_ALIKE = 0.98  # correlation of the slopes of one file with the values of another above which it is the integral
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,8 +42,8 @@ class Part(Record):
 class PartRule:
     """The rule by which an agency names the files of a long record; see `Format.parts`."""
 
-    name: re.Pattern[str]  # of the file name without suffix; groups: name of the whole record, number of the part
-    # time of the first sample of each channel, by its component, in the file's own column of times [s]
+    name: re.Pattern[str]  # matches a file name without suffix; groups: name of the whole record, number of the part
+    # returns the time of the first sample of each component in the file's own column of times [s]
     first_times: Callable[[SourceFile], dict[str, float]]
 
     def read(self, file: SourceFile, records: list[Record]) -> list[Record]:
@@ -69,7 +69,7 @@ def _id(record: Record, start: datetime | None, stem: str) -> str:
 def sample_digest(record: Record) -> bytes:
     """Return the SHA-256 of the samples and the interval, followed by the sign, + or -, of the last non-zero sample.
 
-    If the sign is -, the samples are first reversed: records of opposite polarity differ only in the final sign.
+    If the sign is -, the hash is that of the negated samples: records of opposite polarity differ only in this sign.
     """
     turned = np.flatnonzero(record.acceleration)[-1:]
     sign = b"-" if np.any(record.acceleration[turned] < 0.0) else b"+"
@@ -103,10 +103,10 @@ def _place(record: Record) -> tuple[str, str]:
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], bytes]
 ) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
-    """Return the distinct records, a failure for each duplicate, and warnings.
+    """Return the distinct records, a failure for each duplicate, and warnings by ``id(record)``.
 
-    Of several duplicates, one with a direction, or with time and event, is kept. The warnings, by
-    ``id(record)``, are on records of different files that are kept as different channels although samples are equal.
+    Of several duplicates, one with a known direction, start time or earthquake is preferred. A warning is given for a
+    record that is kept as a different channel although a record of another file has the same samples.
     """
     digests = {id(record): digest(record) for record in records}
 
@@ -137,7 +137,7 @@ def _without_duplicates(
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Return whether two records with equal samples are copies, rather than dead channels or channels of one file."""
+    """Return whether two records with equal samples are copies, not dead channels or different channels of one file."""
     same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
     if not same and "unknown" not in (one.orientation, other.orientation):
         return False
@@ -151,10 +151,10 @@ def _same_motion(one: Record, other: Record) -> bool:
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
     """Join the parts of records that were split into files; return each record with its parts in order.
 
-    Parts 1, 2, ... with the same file name and station are joined, and come last, if they contain the same channels and
-    each begins one step after the end of the previous part, according to the columns of times or the clocks; otherwise
-    they get a warning. Files of one channel that each begin one step after the end of the previous one according to
-    their clocks, such as files of single days, are joined, too.
+    Parts 1, 2, ... with the same file name (apart from the number) and station are joined if they contain the same
+    channels and each begins one step after the last sample of the previous part, according to the times of the samples
+    or the start times; otherwise they get a warning. Parts come last in the result. Other files of one channel, such as
+    files of single days, are joined if each begins one step after the last sample of the previous one.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
@@ -168,7 +168,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
         else:
             channels[_channel(record)].append(record)
     for chain in (chain for one in channels.values() for chain in _chains(one)):
-        step = f"{len(chain)} files of one channel joined, each begins where one ends"
+        step = f"{len(chain)} files of one channel joined, each begins where the previous one ends"
         result.append((chain[0] if len(chain) == 1 else _joined(chain, chain[0].id, step), tuple(chain)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
@@ -184,7 +184,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _channel(record: Record) -> tuple[object, ...]:
-    """Return the properties that all parts of one channel share, such as the codes of the channel."""
+    """Return the properties that all files of one channel share, such as the codes of the channel."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
     unit, numbers = (record.source_unit, record.unit_factor), (record.azimuth, record.sensor_depth, record.dt)
     words = (record.component, record.orientation, record.format, record.processed)
@@ -192,7 +192,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Group the records of one channel; in a group, each record begins one step after the end of the previous one."""
+    """Group the records of one channel; in a group, each begins one step after the last sample of the previous one."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None
@@ -286,7 +286,8 @@ def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
         # Of two sines, each is the slope of the other.
         if alike[other] > _ALIKE and abs(slopes[other] @ values[place]) <= _ALIKE:
             cause = f"not an acceleration: its derivative is {PurePath(group[other].source).name}"
-            reason = f"{record.source}: {cause}, so it holds a velocity or a displacement; name the files by their kind"
+            held = "so it holds a velocity or a displacement; write acc, vel or disp in the file names"
+            reason = f"{record.source}: {cause}, {held}"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")
     return rows
 

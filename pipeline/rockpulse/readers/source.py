@@ -17,7 +17,7 @@ from rockpulse.files import check_regular
 
 #: Number of bytes at the start of a file from which its format is recognised.
 HEAD = 65536
-#: Largest file, or member of an archive, that is read [bytes]; text of one channel at 200/s for a day needs half of it.
+#: Largest file, or member of an archive, that is read [bytes]: twice the text of one day at 200 samples per second.
 FILE_LIMIT = 256 * 1024**2
 #: Largest compression ratio of a file that is read; text of numbers reaches 10, a silent channel 100.
 RATIO_LIMIT = 500
@@ -35,7 +35,7 @@ _ARCHIVES = {
 _TAR_MARK = 257
 #: Pattern of a word, and number of bytes at the start of a file in which a word indicates a header.
 _WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
-#: First members of zip files that are not archives of records: office documents and arrays of numpy (.npy).
+#: Beginnings of the name of the first member of zip files that are office documents, not archives of records.
 _DOCUMENTS = (b"[Content_Types].xml", b"mimetype", b"docProps/", b"_rels/", b"xl/")
 _FIRST_NAME = 30
 #: Suffixes of files of station metadata.
@@ -157,14 +157,14 @@ def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
         raise RecordFormatError(f"{name}: damaged gzip file ({fault}); download it again") from fault
     if len(content) > most:
         raise RecordRefused(
-            f"{name}: compressed more than {RATIO_LIMIT} times, the limit; unpack it by hand if it is a record"
+            f"{name}: its compression ratio is above {RATIO_LIMIT}, the limit; unpack it by hand if it is a record"
         )
     return content
 
 
 def _check_size(name: str, content: bytes) -> bytes:
     if len(content) > FILE_LIMIT:
-        raise RecordRefused(f"{name}: expected a file of at most {FILE_LIMIT} bytes; cut the record")
+        raise RecordRefused(f"{name}: expected a file of at most {FILE_LIMIT} bytes; shorten the record")
     return content
 
 
@@ -192,7 +192,7 @@ def check_link(path: Path) -> None:
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
-    """Open a file on disk, plain or compressed with gzip; by default, station files are searched in its folder."""
+    """Open a file on disk, plain or compressed with gzip; by default, station files are read from its folder."""
     name = str(path)
     check_link(path)
     if path.is_dir():

@@ -25,7 +25,7 @@ _STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
 #: Smallest value written [g]; smaller ones have exponents of three digits, which exceed a field of 15 characters.
 _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
-_SEED_OFF = 5.0  # largest deviation of a sensor named N or E, by the rules of SEED [degrees]
+_SEED_OFF = 5.0  # largest deviation of a sensor named N or E from its axis, by the rules of SEED [degrees]
 
 
 def _text(words: str) -> str:
@@ -39,7 +39,7 @@ def azimuth_of(record: Record) -> float:
 
 
 def orientation_of(record: Record) -> Orientation:
-    """Return the orientation of a record in a format that cannot mark sensors on structures."""
+    """Return the orientation to write in formats that cannot state that a sensor is on a structure."""
     if record.orientation == "vertical":
         return "vertical"
     if np.isfinite(record.azimuth):
@@ -50,7 +50,7 @@ def orientation_of(record: Record) -> Orientation:
 
 
 def _direction_word(record: Record) -> str:
-    """Return the direction as a word for a file: ``UP``, ``005``, ``092.5``, or the record's own word for it."""
+    """Return a word for the direction: ``UP``, ``005``, or the record's own word; empty if it would be misread."""
     if orientation_of(record) == "vertical":
         return "UP"
     if np.isfinite(record.azimuth):
@@ -85,7 +85,7 @@ def at2_bytes(record: Record) -> bytes:
 
 
 def csv_bytes(record: Record) -> bytes:
-    """Return a record as a CSV file with headings, time [s] and acceleration [m/s2], with all digits."""
+    """Return a record as a CSV file: headings, then the times [s] and the accelerations [m/s2] with all digits."""
     facing = ""
     if orientation_of(record) == "vertical":
         facing = "up"
@@ -116,7 +116,7 @@ def miniseed_bytes(
 
 
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
-    """Return distinct SEED codes (network, station, location, channel); duplicates get other location codes."""
+    """Return distinct SEED codes (network, station, location, channel) that no StationXML in `beside` contradicts."""
     taken: set[tuple[str, str, str, str]] = set()
     result = []
     for record in records:
@@ -187,7 +187,7 @@ def _station_channel(record: Record, location: str, channel: str) -> Any:
 
 
 def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, str]]) -> Any:
-    """Return the station metadata of all records; unknown coordinates, and elevations, are written as 0."""
+    """Return the station metadata of all records; unknown coordinates and all elevations are written as 0."""
     from obspy.core.inventory import Inventory, Network, Site, Station
 
     networks: dict[str, dict[str, Any]] = {}

@@ -28,16 +28,16 @@ _PAIR = Remedy("pair")
 _BOTH_IN_ONE = (
     f"{_PAIR.advice()}, or put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
 )
-#: Pattern of a SEED channel code; codes of one sensor differ only in the last letter, and the second is the kind of
-#: instrument.
+#: Pattern of a SEED channel code: letters for the band, the kind of instrument and the direction. The channels of one
+#: sensor differ only in the last letter.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: Pattern of a KiK-net channel at the bottom of a borehole (1); channels at the surface end with 2.
 _BOTTOM = re.compile(r"(?:EW|NS|UD)1")
-#: Largest depth of a sensor that is treated as at the surface [m]: in a vault or a cellar, not a borehole.
+#: Largest depth [m] of a sensor that is treated as a sensor at the surface, since it may be in a vault or a cellar.
 SHALLOW = 3.0
-#: Pattern of the location of a channel on a structure, which readers write after its direction.
+#: Pattern of the location of a channel on a structure, which readers write in brackets after the direction.
 _PLACE = re.compile(r"\((.*)\)")
-#: Smallest part of the shorter channel that both channels of a pair have in common; consecutive triggers may touch.
+#: Smallest overlap in time of the two channels of a pair, as a share of the duration of the shorter channel.
 OVERLAP_SHARE = 0.5
 
 
@@ -61,7 +61,7 @@ class Pair:
 
 
 class Neighbours:
-    """An index of channels, to find the channels recorded together without comparing all of them."""
+    """An index of channels by file, time and earthquake, which quickly finds channels recorded together."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -78,7 +78,7 @@ class Neighbours:
                 self._of_source[record.together].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels with the file or time of a record; if it has no time, with its event and folder."""
+        """Return the channels in the file of a record or near it in time (if unknown: with its event and folder)."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -94,7 +94,11 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the horizontal channels (with `structural` also on structures), and a failure for each other channel."""
+    """Return the horizontal channels on the ground, and a failure for each other channel.
+
+    If `structural` is true, horizontal channels on structures are returned too. If `configured` is true, the failures
+    name the option of the configuration that does this.
+    """
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
@@ -115,9 +119,9 @@ def select_horizontal(
 def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]:
     """Return the pairs of channels that were recorded together in two known directions.
 
-    Two channels are partners if they have the same format, state of processing, network, station, location and SEED
-    sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
-    structure, overlap in time by at least half of the shorter channel, and come
+    Two channels are partners if they have the same format, state of processing, network, station, location and sensor
+    (the first two letters of a SEED channel code, or the depth of a KiK-net channel), are both on the ground or at the
+    same location on a structure, overlap in time by at least half of the shorter channel, and come
 
     - from one file, or from two files that the user states to be a pair, or
     - from files with station codes and start times, or
@@ -136,7 +140,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     pairs : list of Pair
         In the order of their first channels.
     failures : list of Failure
-        A row for each channel without a known azimuth, without a partner, or with several partners.
+        A failure for each channel without a known azimuth, without a partner, or with several partners.
 
     Examples
     --------
@@ -171,11 +175,12 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """Return the vertical channel recorded with a horizontal channel by the rules of :func:`find_pairs`, or None.
+    """Return the vertical channel recorded together with a horizontal channel; None if there is none.
 
-    The two may differ in format and length. Of several vertical channels, one with the same state of processing is
-    preferred, then with the same SEED band, the same file, and the longest overlap. None is returned for a channel on
-    a structure, as the vertical channel may be on another floor.
+    The rules are those of :func:`find_pairs`, but the two may differ in format and length. If several vertical channels
+    are found, preference is given, in this order, to the same state of processing, the same SEED band, the same file
+    and the longest overlap. None is returned for a channel on a structure, as a vertical channel may be on another
+    floor.
     """
     if record.orientation == "structural":
         return None
@@ -189,7 +194,10 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Return the vertical acceleration (n,) [m/s2], positive up, at the times of a record; 0 outside the channel."""
+    """Return the vertical acceleration (n,) [m/s2], positive up, at the sample times of a record.
+
+    It is zero before the start and after the end of the vertical channel.
+    """
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
@@ -200,7 +208,7 @@ def uncovered(vertical: Record, record: Record) -> float:
 
 
 def offset(record: Record, other: Record) -> float:
-    """Return the time from the start of a record to the start of another [s]; 0 if a start time is unknown."""
+    """Return the time [s] from the start of a record to the start of another record; 0 if a start time is unknown."""
     if record.start_time is None or other.start_time is None:
         return 0.0
     return (other.start_time - record.start_time).total_seconds()
@@ -235,7 +243,7 @@ def instrument(record: Record) -> tuple[object, ...]:
 
 
 def _seed(record: Record) -> tuple[str, str]:
-    """Return band and instrument of a SEED channel; empty for other channels."""
+    """Return the letters for band and instrument of a SEED channel code; empty texts for other codes."""
     seed = _SEED.fullmatch(record.channel)
     return (seed[1], seed[2]) if seed else ("", "")
 
@@ -249,7 +257,8 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
         return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
         rivals = [other.id for one in found for other in partners[id(one)] if other is not record]
-        return f"{found[0].id} was recorded together with it, but also with {some(rivals, 4)}: which two are a pair?"
+        others = f"but also with {some(rivals, 4)}: it is not clear which two are a pair"
+        return f"{found[0].id} was recorded together with it, {others}"
     names = some([one.id for one in found], 4)
     return f"expected one other horizontal channel recorded together with it, found {len(found)}: {names}"
 
@@ -270,7 +279,7 @@ def _together(record: Record, other: Record) -> bool:
 
 
 def _occasion(record: Record) -> tuple[object, ...]:
-    """Return the properties that identify the recording of a file that states no time."""
+    """Return the event, station, sampling interval and folder, by which channels without a start time are matched."""
     return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 

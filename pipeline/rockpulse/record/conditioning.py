@@ -1,4 +1,4 @@
-"""Conditions a record: baseline, zero-phase filter, sampling interval; every step is optional and documented."""
+"""Conditions a record: corrects the baseline, filters without phase shift, and resamples; every step is optional."""
 
 import logging
 import math
@@ -16,7 +16,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText, code_of, find
 
-#: Share of the energy of the record at which the pre-event window, with energy about its own mean, ends.
+#: Share of the energy of the record at which the pre-event window ends; the energy is computed about the mean.
 QUIET_SHARE = 1e-6
 #: Shortest pre-event window that is found automatically [s].
 QUIET_LENGTH = 1.0
@@ -24,12 +24,13 @@ QUIET_LENGTH = 1.0
 DRIFT_SHARE = 0.1
 #: Largest length of the default taper at each end, as a share of the record.
 TAPER_SHARE = 0.05
-#: Length of each pad, divided by the order of a pass, in periods of the lowest corner (Boore 2005).
+#: Length of the zeros added at each end, divided by the order of the filter, in periods of its lowest corner frequency
+#: (Boore 2005).
 PAD_PERIODS = 1.5
-#: Longest pad [samples]; a corner that needs a longer one is rejected.
+#: Largest number of zeros added at each end [samples]; a corner frequency that needs more is rejected.
 LONGEST_PAD = 10_000_000
-#: Anti-alias filter of resampling: ripple and stop band [dB]; width of the transition below the lower Nyquist
-#: frequency, as a share of this frequency.
+#: Anti-alias filter of resampling: attenuation in the stop band [dB]; width of the transition band below the lower
+#: Nyquist frequency, as a share of this frequency.
 RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
 #: Largest numerator and denominator of a resampling ratio.
@@ -54,11 +55,12 @@ def condition(
     record : Record
         Ground acceleration, (n,) [m/s2].
     baseline : {"auto", "none", "mean", "pre-event", "linear", "quadratic"}
-        What is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
+        What is subtracted. "none": nothing. "mean", "linear", "quadratic": the least-squares polynomial of degree 0, 1
+        or 2 through all samples.
         "pre-event": the mean of the pre-event window, or of all samples if no window is found. "auto": nothing for a
         processed record, "pre-event" for a raw one, "mean" with a warning if the format does not state the processing.
     highpass_hz, lowpass_hz : float, optional
-        Corners of the Butterworth filters [Hz]; by default no filter is applied.
+        Corner frequencies of the Butterworth filters [Hz]; by default no filter is applied.
     order : int
         Order of one pass of each filter, 1 to 10. The filter runs forwards and backwards, so that the effective order
         is twice this, the phase zero, and the gain 1/(1 + (fc/f)^(2 order)), which is 1/2 at the corner.
@@ -88,13 +90,13 @@ def condition(
     *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never decreases with T.
     The window ends where S reaches 1e-6 of its value for the whole record, and is not used if shorter than 1 s.
 
-    *Filter.* The record is tapered, padded with zeros of length 1.5 n/f at both ends (Boore 2005; n is the order of a
-    pass, f the lowest corner), and cut to its old length after filtering: the cut record starts from zero velocity,
-    while the padded record has at that time the velocity that the processing step states.
+    *Filter.* The record is tapered, padded with zeros over a time of 1.5 n/f at both ends (Boore 2005; n is the order
+    of a pass, f the lowest corner frequency), and cut to its old length after filtering. The ground velocity of the cut
+    record starts from zero; the processing step states the velocity of the padded record at that time.
 
-    *Resampling.* A polyphase filter with a Kaiser low-pass of 100 dB passes frequencies up to 0.8 of the lower of the
-    two Nyquist frequencies and stops all above it, so that a coarser record has no aliases. The first sample keeps its
-    time.
+    *Resampling.* A polyphase filter with a Kaiser window (100 dB) passes frequencies up to 0.8 times the lower of the
+    two Nyquist frequencies, and stops frequencies above this Nyquist frequency, so that a longer sampling interval
+    causes no aliasing. The time of the first sample does not change.
 
     References
     ----------
@@ -167,7 +169,7 @@ def _check(
 
 
 def _watched(record: Record) -> Record:
-    """Return the record with a warning on baseline drift if its ground velocity drifts, else without such a warning."""
+    """Add a warning on baseline drift if the ground velocity of the record drifts; otherwise remove such a warning."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
@@ -212,7 +214,7 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
 
 
 def quiet_samples(record: Record) -> int:
-    """Return the number of samples of the pre-event window found in a record, at least 1."""
+    """Return the number of samples in the pre-event window that is detected in a record, at least 1."""
     # Subtract the first sample, as a constant offset would exceed the noise.
     shifted = record.acceleration - record.acceleration[0]
     number = np.arange(1, record.npts + 1)
@@ -230,7 +232,7 @@ def _auto(record: Record, pre_event: float | None) -> Record:
     return record if find(record.warnings, "baseline_guessed") else _warned(record, WarningText("baseline_guessed"))
 
 
-#: Functions that subtract the baseline of a record, by name.
+#: Functions that subtract the baseline of a record, by the value of the option `baseline`.
 BASELINES: dict[str, Callable[[Record, float | None], Record]] = {
     "auto": _auto,
     "none": lambda record, _: record,
@@ -271,7 +273,7 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     lead = record.dt * float(np.sum(filtered[:pad]) + 0.5 * filtered[pad])
     note = (
         f"filter: Butterworth {' and '.join(words)}, zero phase, order {order} each way (effective {2 * order}), "
-        f"pads of {pad * record.dt:.4g} s cut off again with a velocity of {lead:.3g} m/s; "
+        f"pads of {pad * record.dt:.4g} s removed afterwards with a velocity of {lead:.3g} m/s; "
         f"PGV {pgv(unfiltered):.4g} -> {pgv(cut):.4g} m/s, "
         f"largest half-wave impulse {half_waves(unfiltered).largest:.4g} -> {half_waves(cut).largest:.4g} m/s"
     )

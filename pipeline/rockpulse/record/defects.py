@@ -1,6 +1,7 @@
-"""Detects defects of a channel from its samples as read: gaps, spikes, drift, noise, truncated and coarse records.
+"""Detects defects of a channel from its samples before conditioning.
 
-The bounds were chosen on real records, see docs/decisions/022-defects.md.
+The defects are gaps, spikes, drift, noise, a missing start or end, and a long sampling interval. Their limits were
+chosen with real records, see docs/decisions/022-defects.md.
 """
 
 from dataclasses import replace
@@ -20,37 +21,42 @@ _CODES = (
 DEFECTS = tuple(_CODES.split())
 #: Number of samples that are processed at once, to save memory.
 AT_ONCE = 2**18
-#: Shortest record that is checked for all defects [samples]; shorter records are only checked for equal samples.
+#: Length of the shortest record that is checked for all defects [samples]. In shorter records, only a dead channel (all
+#: samples are equal) is detected.
 FEWEST = 100
-#: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
+#: Shortest straight line in a record that is reported, in [s] and in [samples]; digitised film contains shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
-#: Smallest ratio of the second differences on both sides of a straight line to those within it.
+#: Smallest ratio of the second differences on both sides of a straight line to the limit for those within it.
 LINE_CONTRAST = 20.0
-#: Smallest share of repeated samples in the strong part that is reported, and smallest median step for this check, in
-#: steps of the resolution.
+#: Smallest share of repeated samples in the strong part of a record that is reported; smallest median difference of
+#: successive samples for which this is checked, as a multiple of the resolution.
 REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
 #: Shortest repeated block of samples that is reported [samples].
 BLOCK_SAMPLES = 32
-#: Half widths [samples] of the running median with which a spike is compared, and of the surroundings of a spike.
+#: Half widths [samples] of the running median with which each sample is compared, and of the surroundings of a spike.
 SPIKE_HALF, SPIKE_AROUND = 3, 50
-#: A spike exceeds the largest deviation from the median near it by this ratio, and this share of the peak; or it
-#: exceeds all other deviations by another ratio, and a larger share of the peak.
+#: The deviation of a spike from the running median exceeds SPIKE_NEAR times all other deviations near it, and
+#: SPIKE_NEAR_SHARE of the peak of the record; or the deviations of up to SPIKE_COUNT spikes exceed SPIKE_FAR times all
+#: other deviations of the record, and SPIKE_FAR_SHARE of its peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
-#: Smallest number of zero samples that count as lost, each between two large samples of the same sign.
+#: Smallest number of lost samples that is reported; a lost sample is zero between two large samples of the same sign.
 DROPOUTS = 3
-#: Length of each end of a record [s]; smallest ratio of the root mean square of an end in strong motion to the peak,
-#: and to the root mean square of the quietest window of the same length.
+#: Length of the first and the last part of a record [s], which are checked for strong motion; smallest ratios of the
+#: root mean square of a part in strong motion to the peak, and to that of the quietest window of the same length.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
-#: Limits of noise: largest ratio of the strongest second to the median second in white and in weak noise; smallest
-#: ratio of the energies of the differences and of the samples in white noise; largest weak noise [m/s2]; smallest
-#: number of windows of a second; largest range of a dead channel [resolution steps].
+#: Largest ratio of the standard deviation in the strongest second to that in the median second, for two kinds of noise.
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
+#: Smallest energy of the differences of successive samples of white noise, divided by the energy of the samples;
+#: largest amplitude of weak noise [m/s2]; smallest number of windows of 1 s in a record that is checked for noise;
+#: largest range of the samples of a channel that contains only noise, as a multiple of the resolution.
 WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
-#: Longest sampling interval that is not coarse [s]; ratio of the energies of the differences and of the samples above
-#: which a coarse record must be confirmed, as it lacks frequencies above the Nyquist frequency.
+#: Longest sampling interval that is not reported [s]. A record with a longer one must be confirmed if the energy of the
+#: differences of successive samples, divided by the energy of the samples, exceeds the second number: it lacks
+#: frequencies above the Nyquist frequency.
 COARSE, UNDERSAMPLED = 0.0999, 1.0
-#: Window of the moving mean that separates the slow velocity from the rest [s], at most this share of the record.
+#: Length of the moving mean that separates the slow ground velocity from the rest [s]; largest length as a share of the
+#: duration of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
 #: Ratios of the slow velocity to the largest remaining velocity above which a drift is reported, and above which it
 #: must be confirmed.
@@ -83,7 +89,7 @@ def drifts(record: Record) -> bool:
 
 
 def defects(record: Record) -> list[WarningText]:
-    """Return the defects of the samples of a record as read, in the order of `DEFECTS`."""
+    """Return a warning on each defect in the samples of a record that is not yet conditioned."""
     samples, dt = record.acceleration, record.dt
     resolution = _resolution(samples)
     if resolution == np.inf:
@@ -114,7 +120,7 @@ def defects(record: Record) -> list[WarningText]:
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
-    """Return the largest moving mean of the ground velocity, and the largest deviation from this mean [m/s]."""
+    """Return the largest absolute moving mean of the ground velocity, and the largest deviation from it [m/s]."""
     velocity = ground_velocity(acceleration, dt)
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
@@ -164,12 +170,12 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return the start and the end (exclusive) of each run of True, as rows (k, 2)."""
+    """Return the index of the first True of each run of True in a mask, and of the first False after it, as (k, 2)."""
     return np.flatnonzero(np.diff(np.pad(mask.view(np.int8), 1))).reshape(-1, 2)
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on the longest constant part, and the longest straight line between curved parts, of a record."""
+    """Return a warning on the longest constant part of a record, and on its longest straight part that is inclined."""
     bend = np.abs(np.diff(centred, 2))
     peak = largest(centred)
     straight = max(2.1 * resolution, 1e-6 * peak)
@@ -201,7 +207,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on samples that repeat the previous sample throughout strong motion, and on a repeated block."""
+    """Return a warning if many samples in strong motion equal the previous sample, or if a block is repeated."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
@@ -217,7 +223,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
 
 
 def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
-    """Return a warning if a block of samples occurs exactly twice; a block of a periodic signal occurs more often."""
+    """Return a warning if a block of samples occurs exactly twice; if it occurs more often, the record is periodic."""
     width = 8
     bits = samples.view(np.uint64)
     if samples.size < 4 * BLOCK_SAMPLES:
@@ -249,7 +255,7 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
 
 
 def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return a warning on samples far from their neighbours, including zero samples in strong motion."""
+    """Return a warning if samples differ greatly from their neighbours, or if samples in strong motion are zero."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
     for first in range(0, len(windows), AT_ONCE):
@@ -282,7 +288,7 @@ def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Warning
 
 
 def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
-    """Return the indices of the few largest deviations that far exceed all others; empty if there are none."""
+    """Return the indices of the deviations, at most `SPIKE_COUNT`, that far exceed all other deviations."""
     left, places, heights = beyond.copy(), [], []
     for _ in range(SPIKE_COUNT + 1):
         place = int(np.argmax(left))
@@ -296,7 +302,7 @@ def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
 
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return warnings on a record that begins or ends in strong motion, unless the first or last sample is zero."""
+    """Return a warning for each end of a record that is in strong motion, unless the sample at this end is zero."""
     peak, length = largest(centred), min(max(round(END_LENGTH / dt), 3), centred.size)
     whole = centred[: centred.size // length * length].reshape(-1, length)
     quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))

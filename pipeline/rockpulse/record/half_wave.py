@@ -1,4 +1,4 @@
-"""Half-waves: impulses between the zero crossings of a record that is linear between samples (VALIDATION F10)."""
+"""Finds the half-waves of a record and their impulses; the acceleration is linear between samples."""
 
 import heapq
 import math
@@ -12,7 +12,7 @@ from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record, largest, read_only
 
-#: Arrays of half-waves, with a value for each wave.
+#: Names of the arrays of `HalfWaves`, which contain one value for each wave.
 COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
 #: Number of samples whose lobes are computed at once, so that the arrays of a record of days are small.
 AT_ONCE = 2**18
@@ -31,9 +31,9 @@ class HalfWaves(Shown):
     impulse : (k,) ndarray
         Integral of the acceleration over the wave [m/s], positive for positive acceleration.
     centroid : (k,) ndarray
-        Centre of the impulse in time [s] from the first sample, inside [start, end].
+        Time of the centroid of the acceleration over the wave [s] from the first sample, inside [start, end].
     start, end : (k,) ndarray
-        Zero crossings that bound the wave [s] from the first sample; the ends of the record for partial waves.
+        Zero crossings that bound the wave [s] from the first sample; an end of the record if it cuts the wave.
     peak : (k,) ndarray
         Largest acceleration with the sign of the impulse [m/s2].
     lobes : (k,) ndarray of int
@@ -69,7 +69,7 @@ class HalfWaves(Shown):
 
     @property
     def largest(self) -> float:
-        """Largest absolute impulse [m/s]; 0 without waves."""
+        """Largest absolute impulse [m/s]; 0 if there are no waves."""
         return largest(self.impulse)
 
     def between(self, start: float, end: float) -> "HalfWaves":
@@ -103,7 +103,7 @@ class HalfWaves(Shown):
 
 
 def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0.0, merge: bool = True) -> HalfWaves:
-    """Return the half-waves of a record, with noise lobes merged into the wave that they interrupt.
+    """Return the half-waves of a record, with noise lobes merged into the half-wave that they interrupt.
 
     A lobe is a part of the record with one sign. It ends where the acceleration changes sign, or remains zero for a
     whole sampling interval. Parts at zero belong to no lobe; the partial lobes at both ends of the record are included.
@@ -135,7 +135,7 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
     merged if the centroid would be outside the wave, if the impulse in the neighbours' direction would be less than
     half the sum of the absolute impulses of all its lobes, or if a neighbour is missing or has the same sign. The
     noise lobe with the smallest absolute impulse is merged first (the earlier of two equal ones); a merged wave that is
-    still noise may be merged again. Nothing is dropped, so that the sums of F10 remain valid.
+    still noise may be merged again. No lobe is dropped, so that the sum of all impulses does not change.
 
     Examples
     --------
@@ -154,7 +154,7 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
 
 
 def _lobes(record: Record) -> HalfWaves:
-    """Return every lobe of a record, computed in parts between crossings to save memory."""
+    """Return every lobe of a record as a half-wave; the record is processed in parts to save memory."""
     acceleration = record.acceleration
     positive, negative = acceleration > 0.0, acceleration < 0.0
     crossing = np.flatnonzero((positive[:-1] & negative[1:]) | (negative[:-1] & positive[1:]))
@@ -175,7 +175,7 @@ def _lobes(record: Record) -> HalfWaves:
 
 
 def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:
-    """Return the arrays `COLUMNS` of the lobes between two crossings (indices; None for an end of the record)."""
+    """Return the arrays `COLUMNS` of the lobes from zero crossing `first` to `last` (None: an end of the record)."""
     dt, begin = record.dt, 0 if first is None else int(crossing[first])
     acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
     crossing = crossing[first : None if last is None else last + 1] - begin

@@ -1,4 +1,7 @@
-"""Intensity measures and intense phase of a record that is linear between samples; velocities start at zero."""
+"""Computes intensity measures and the intense phase of a record.
+
+The ground acceleration is linear between samples, and the ground velocity is zero at the first sample.
+"""
 
 import math
 from collections.abc import Callable
@@ -34,7 +37,7 @@ class IntensePhase:
 
 
 def arias_intensity(record: Record) -> float:
-    """Return the Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s], standard gravity g."""
+    """Return the Arias intensity [m/s]: the integral of the squared acceleration, times pi/(2 g)."""
     return float(math.pi / (2.0 * STANDARD_GRAVITY) * _energy(record)[-1])
 
 
@@ -49,7 +52,7 @@ def pgv(record: Record) -> float:
 
 
 def ground_velocity(acceleration: np.ndarray, dt: float) -> np.ndarray:
-    """Return the velocity at the samples of a ground acceleration that is linear between them, from rest."""
+    """Return the ground velocity at each sample of the ground acceleration; it is zero at the first sample."""
     velocity = np.zeros(acceleration.size)
     np.add(acceleration[1:], acceleration[:-1], out=velocity[1:])
     velocity[1:] *= 0.5 * dt
@@ -70,7 +73,10 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 @lru_cache(maxsize=4096)
 def _oscillator(rate: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return numerator and denominator of the filter from ground acceleration to the oscillator's displacement."""
+    """Return numerator and denominator of the digital filter that turns ground acceleration into displacement.
+
+    The displacement is that of an oscillator with the circular frequency `rate` [rad/s], relative to the ground.
+    """
     from scipy.signal import cont2discrete
 
     upper, lower, _ = cont2discrete(([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate]), dt, method="foh")
@@ -84,7 +90,7 @@ def spectrum_intensity(record: Record) -> float:
 
 
 def largest_change(record: Record, within: float) -> float:
-    """Return the largest change of the ground velocity [m/s] over a time [s], which is rounded to whole samples."""
+    """Return the largest change of the ground velocity [m/s] over the time `within` [s], rounded to whole samples."""
     velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
     steps = min(max(round(within / record.dt), 1), velocity.size - 1)
     return largest(velocity[steps:] - velocity[:-steps])
@@ -111,8 +117,8 @@ def intense_phase(
     method : {"D5-95", "D5-75", "bracketed", "window"}
         "D5-95", "D5-75": between these percentages of the Arias intensity. "bracketed": from the first to the last time
         the absolute acceleration exceeds `level`. "window": from `start_s` to `end_s`; 20 s (the paper's limit) from
-        `start_s` if only this is given; without both, the first 20 s with the largest Arias intensity among those that
-        begin at a sample. A window ends with the record at the latest.
+        `start_s` if only this is given; if neither is given, the window of 20 s with the largest Arias intensity among
+        windows that begin at a sample. A window ends with the record at the latest.
     start_s, end_s : float, optional
         Limits of the window [s] from the first sample.
     level : float, optional
@@ -121,7 +127,7 @@ def intense_phase(
     Returns
     -------
     IntensePhase
-        Its limits are interpolated within the sampling interval, in which the Arias intensity is a cubic of time.
+        Its start and end are interpolated between samples, since the Arias intensity is a cubic of time there.
 
     Raises
     ------

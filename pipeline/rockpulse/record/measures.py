@@ -1,4 +1,4 @@
-"""The intensity measures of a ground motion; a new measure is added only here, as a row of the table."""
+"""Contains the table of the intensity measures of a record; a new measure is added only here, as a row of the table."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
-#: Units in which values of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
+#: For each SI unit, the units in which values may be given (first the unit that is displayed) with factors to SI.
 UNITS = {
     "m s^-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
     "m s^-1": {"m/s": 1.0, "cm/s": 0.01},
@@ -28,7 +28,7 @@ UNITS = {
 #: makes the PGV doubtful, and the reference makes bodies of all sizes comparable.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
 UPLIFT_RATIO = "uplift_ratio"
-#: Number of the largest lobes of E (`RecordOnBodies.demand`) whose root mean square is a measure.
+#: Number of largest lobes of E, the impulse on the time scale of the block, whose root mean square is a measure.
 LARGEST_LOBES = 6
 
 
@@ -71,14 +71,14 @@ class Measure:
     periods: tuple[float, ...] = ()  # periods of the members of a family [s]; empty for one measure
     drifts: bool = False  # whether a drifting baseline makes it doubtful
     openquake: str = ""  # unit of its values in OpenQuake's hazard curves; empty if they do not contain it
-    stored: str | None = None  # addition to its meaning in /summary; None if it is not there
+    stored: str | None = None  # addition to its meaning in /summary; None if it is not stored there
     meaning: str = ""  # description; by default the long name
     heading: str = ""  # heading in tables; by default the title
     explanation: str = ""  # text in docs/schema.md
 
     @property
     def long_name(self) -> str:
-        """The title with its explanation."""
+        """The title with its addition `detail`."""
         return f"{self.title}{self.detail}"
 
     @property
@@ -93,7 +93,7 @@ class Measure:
 
     @property
     def column(self) -> tuple[str, str, float]:
-        """Return heading, unit and factor to SI for a printed table, in which accelerations are in g."""
+        """Return heading, unit and factor to SI for a column of a printed table, in which accelerations are in g."""
         unit = "g" if "g" in self.known_units else self.shown_unit
         return self.heading or self.title, unit, self.known_units[unit]
 
@@ -210,24 +210,25 @@ _TABLE = (
         lambda on: on.demand.build_up,
     ),
 )
-#: All rows by name, and all measures by name, with the members of each family in place of the family.
+#: All rows of the table by name; all measures by name, in which each family is replaced by its members.
 ROWS = {row.name: row for row in _TABLE}
 MEASURES = {one.name: one for row in _TABLE for one in (map(row.at, row.periods) if row.periods else [row])}
-#: Names of measures for each use. A demand gives the name of a family and the period.
+#: Names of the measures for each use. A demand names a family, such as "sa", and states the period separately.
 FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
 #: Measures of [fragility] by default.
 USUAL = (PGA, PGV, "si", REFERENCE)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
-#: Measures stored for each record, those proportional to the scale factor, and those stored for each record and body.
+#: Measures stored for each record; measures among them that are proportional to the scale factor; measures stored for
+#: each record and body.
 STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)
 STORED_LEVELS = tuple(row for row in STORED if row.proportional)
 STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row.of_bodies)
 
 
 def units_in_words(names: tuple[str, ...]) -> str:
-    """Return the units of measures, each with its measures in brackets: "m/s2 (pga) or m/s (pgv, impulse)"."""
+    """Return the units of the named measures as text: "m/s2 (pga) or m/s (pgv, impulse)"."""
     units = dict.fromkeys(ROWS[name].shown_unit for name in names)
     choices = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
     return _either(choices)

@@ -1,4 +1,4 @@
-"""One channel of ground acceleration with its metadata."""
+"""Defines a record: one channel of ground acceleration with its metadata."""
 
 import math
 import re
@@ -23,11 +23,11 @@ STANDARD_GRAVITY = 9.80665
 BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
-#: Fields whose strings many records of a batch have in common.
+#: Fields of a record that have the same text in many records of a batch.
 _SHARED = """network station location channel station_name component orientation format source_unit event event_id
 magnitude_type site_class stage"""
 SHARED = frozenset(_SHARED.split())
-#: Fields whose numbers many records have in common.
+#: Fields of a record that have the same number in many records of a batch.
 SHARED_NUMBERS = frozenset(("dt", "azimuth", "unit_factor", "magnitude"))
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
@@ -37,7 +37,7 @@ Kind = TypeVar("Kind", bound="Record")
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Record(Shown):
-    """An accelerogram: one channel, equally spaced, in m/s2.
+    """An accelerogram: one channel of acceleration in m/s2 with a constant sampling interval.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Record(Shown):
     orientation : {"horizontal", "vertical", "structural", "unknown"}
         Kind of direction; "structural" is a channel on a building.
     azimuth : float
-        Direction, clockwise from north [degrees]; NaN (given as None or not at all) if unknown or not horizontal.
+        Direction, clockwise from north [degrees]; NaN (may be given as None) if unknown or not horizontal.
     start_time, origin_time : datetime or None
         UTC times of the first sample and of the earthquake, with ``tzinfo=UTC``.
     source, source_sha256 : str
@@ -87,7 +87,7 @@ class Record(Shown):
     sensor_depth : float
         Depth of the sensor below the ground [m]; NaN if not stated.
     stage : {"read", "checked", "conditioned"}
-        State of the record: its samples are checked for defects once, and it is conditioned for assessment once.
+        "checked": the samples have been checked for defects; "conditioned": the record has also been conditioned.
     outline : bytes
         Result of :func:`outline_of` for a record without its samples, as float64; empty for other records.
     together : str
@@ -149,7 +149,7 @@ class Record(Shown):
         if bad.size:
             raise RecordFormatError(
                 f"{where}: {bad.size} of {acceleration.size} samples are NaN or infinite, the first at index {bad[0]}; "
-                "repair the file or cut the record there"
+                "repair the file, or keep only a part of the record without them"
             )
         strongest = int(np.argmax(np.abs(acceleration)))
         if abs(acceleration[strongest]) > STRONGEST:
@@ -170,15 +170,15 @@ class Record(Shown):
         return _restored, (type(self), values)
 
     def without_samples(self) -> "Record":
-        """Return the same record with zeros, which need no memory, in place of its samples."""
+        """Return a copy of the record whose samples are replaced by zeros, which need almost no memory."""
         return replace(self, acceleration=_broadcast(0.0, self.npts), outline=np.array(outline_of(self)).tobytes())
 
     def with_warning(self, warning: str) -> "Record":
-        """Return the same record with one more warning."""
+        """Return a copy of the record with one more warning."""
         return replace(self, warnings=(*self.warnings, warning))
 
     def with_note(self, step: str) -> "Record":
-        """Return the same record with one more processing step."""
+        """Return a copy of the record with one more processing step."""
         return replace(self, processing=(*self.processing, step))
 
     @property
@@ -193,7 +193,7 @@ class Record(Shown):
 
     @property
     def time(self) -> np.ndarray:
-        """(n,) Time of the samples from the first [s]."""
+        """Times (n,) of the samples [s], from the first sample."""
         return self.dt * np.arange(self.npts)
 
     @property
@@ -239,7 +239,10 @@ def largest(values: np.ndarray) -> float:
 
 
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75, 95 % of the energy."""
+    """Return the number of samples, the peak and the times at which 5, 25, 50, 75 and 95 % of the energy are reached.
+
+    Peak [m/s2] and energy are computed about the mean; the times [s] start at the first sample.
+    """
     if _spread(record.acceleration):
         outline = tuple(np.frombuffer(record.outline).tolist())
         return outline if outline[:1] == (record.npts,) else ()
@@ -254,13 +257,13 @@ def outline_of(record: Record) -> tuple[float, ...]:
 
 @lru_cache(maxsize=1024, typed=True)
 def _shared(value: float, sign: float) -> float:
-    """Return the number; equal numbers with the same sign (0.0 and -0.0 are equal) give one object in memory."""
+    """Return `value`; the same object is returned for equal values with equal `sign`, which saves memory."""
     return value
 
 
 @lru_cache(maxsize=256)
 def _broadcast(value: float, size: int) -> np.ndarray:
-    """Return an array of `size` equal numbers in the memory of one; records of equal length share it."""
+    """Return an array of `size` equal numbers that needs the memory of one number; records of equal length share it."""
     return np.broadcast_to(value, size)
 
 
@@ -282,7 +285,7 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
 
 
 def _spread(acceleration: np.ndarray) -> bool:
-    """Return whether an array is a single number in memory that is broadcast to n samples."""
+    """Return whether an array of samples contains a single number in memory, as ``np.broadcast_to`` returns it."""
     return (
         isinstance(acceleration, np.ndarray)
         and acceleration.dtype == float
@@ -294,7 +297,10 @@ def _spread(acceleration: np.ndarray) -> bool:
 def record_id(
     network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
 ) -> str:
-    """Return ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, of letters, digits, ``_.@~-``."""
+    """Return ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` if station and time are known, else ``<stem>.<channel or number>``.
+
+    Characters other than letters, digits and ``_.@~-`` are replaced by ``_``.
+    """
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
@@ -302,7 +308,7 @@ def record_id(
 
 
 def of_kind(kind: type[Kind], record: Record, **changes: Any) -> Kind:
-    """Return a record as an instance of a subclass of :class:`Record`, or of `Record` itself, with changed fields."""
+    """Return a copy of a record of the class `kind` (`Record` or a subclass), with the fields in `changes` changed."""
     return kind(**{item.name: getattr(record, item.name) for item in fields(Record)} | changes)
 
 

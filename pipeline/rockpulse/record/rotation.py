@@ -1,12 +1,12 @@
 """Samples two horizontal channels at the same times, rotates the pair, and finds its strongest direction.
 
-.. note:: Azimuths are in degrees, clockwise from north. A channel with the azimuth z records x . u(z), where u = (cos
-z, sin z) has a north and an east component. Two channels that are not parallel give the vector x, and the motion in
-direction psi
+.. note:: Azimuths are in degrees, clockwise from north. A channel with the azimuth z records x . u(z), where x is the
+horizontal acceleration and u(z) = (cos z, sin z) the unit vector, both with a north and an east component. Two channels
+that are not parallel determine x, and therefore the acceleration in direction psi,
 
        a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
 
-   which is exact for any angle between them. As a(psi + 180) = -a(psi), a half circle contains all directions.
+   which is exact for any angle between the channels. As a(psi + 180) = -a(psi), a half circle contains all directions.
 """
 
 import math
@@ -35,7 +35,7 @@ MAXIMA_SHARE = 0.9
 
 
 def rotate(pair: Pair, azimuth: float) -> Record:
-    """Return the motion of a pair in one direction.
+    """Return the record in one horizontal direction, computed from a pair of channels.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     Returns
     -------
     Record
-        The rotated record, with the direction in the channel code of its id (``H045``), the sources, processing steps
-        and warnings of both channels, and the formula of the rotation. In the direction of a channel, its samples are
-        the samples of the channel.
+        The rotated record, with the direction in the channel code of its id (``H045``), and with the sources, warnings
+        and processing steps of both channels; one more step states the formula. In the direction of a channel, the
+        rotated record has the samples of this channel.
 
     Raises
     ------
@@ -67,8 +67,8 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     check_angle(pair)
     if first.npts != second.npts or not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(
-            f"{first.id}, {second.id}: expected the same samples in both, found {first.npts} at {first.dt:g} s and "
-            f"{second.npts} at {second.dt:g} s; use condition_pair"
+            f"{first.id}, {second.id}: expected the same sample times in both, found {first.npts} samples at "
+            f"{first.dt:g} s and {second.npts} at {second.dt:g} s; use condition_pair"
         )
     one, other = _weights(first.azimuth, second.azimuth, azimuth)
     note = (
@@ -100,7 +100,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
 
 
 def pair_id(pair: Pair) -> str:
-    """Return the name of a pair: the id of a record with both channel codes."""
+    """Return the name of a pair: the id of its first channel with the codes of both channels."""
     return _name(pair.first, f"{pair.first.channel}-{pair.second.channel}")
 
 
@@ -124,15 +124,15 @@ def strongest_azimuth(
     Returns
     -------
     azimuth : float
-        Direction [degrees] from 0 to below 180, in steps of 0.01; the smallest of equal directions.
+        Direction [degrees] from 0 to below 180, in steps of 0.01; the smallest if several give the same impulse.
     impulse : float
         The largest absolute half-wave impulse in that direction [m/s].
 
     Notes
     -----
-    The impulse is discontinuous in the direction, as lobes split at zero and noise is merged, so that no formula gives
-    its maximum. Every degree is tried, then the surroundings of the five highest local maxima, if above 0.9 of the
-    highest one, in steps of 0.1 and 0.01 degrees: about 250 extractions.
+    The impulse is a discontinuous function of the direction, as lobes split at zero and noise is merged, so that no
+    formula gives its maximum. It is computed at every degree, then in steps of 0.1 and 0.01 degrees about the five
+    highest local maxima (if above 0.9 times the highest one): in about 250 directions.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def strongest_azimuth(
 
 
 def rotated_component(azimuth: float) -> str:
-    """Return the component of a record rotated to an azimuth [degrees]: "45 degrees, rotated"."""
+    """Return the text of the field `component` for a record rotated to an azimuth [degrees]: "45 degrees, rotated"."""
     return f"{azimuth:g} degrees, rotated"
 
 
@@ -177,14 +177,14 @@ def _weights(first: float, second: float, azimuth: float) -> tuple[float, float]
 
 
 def _sine(degrees: float) -> float:
-    """Return the sine, exact at multiples of 90 degrees and odd about 0 and 180."""
+    """Return the sine of an angle in degrees; it is exact at multiples of 90 degrees."""
     turn = math.remainder(degrees, 360.0)
     folded = math.copysign(180.0, turn) - turn if abs(turn) > 90.0 else turn
     return math.sin(math.radians(folded))
 
 
 def check_angle(pair: Pair) -> None:
-    """Raise RecordRefused for channels in almost the same direction, or with unknown azimuth."""
+    """Raise RecordRefused if the two channels of a pair are almost parallel, or if an azimuth is unknown."""
     first, second = pair.channels
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
@@ -200,7 +200,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Return the warnings or steps of both channels; a text of only one channel begins with the channel's code."""
+    """Return the texts of both channels in the field `what`; a text of one channel begins with the channel's code."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)
@@ -210,17 +210,17 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
     )
 
 
-#: Largest deviation of a start from a whole number of sampling intervals that is ignored, as a share of an interval.
+#: Largest deviation of a time from a whole number of sampling intervals that is ignored, as a share of an interval.
 CLOCK_SHARE = 1e-3
 
 
 def condition_pair(pair: Pair, **options: Any) -> Pair:
-    """Condition both channels in the same way over their common time, with the same sample times.
+    """Condition both channels of a pair in the same way, and return them at the same times over their common time.
 
     Parameters
     ----------
     pair : Pair
-        As read.
+        Two channels, in general as read.
     **options
         Options of :func:`rockpulse.condition`.
 
@@ -240,8 +240,9 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 
     Notes
     -----
-    For both channels the shorter of the two pre-event windows is used, or the mean if this window is below 1 s: every
-    step is therefore linear in the samples, and conditioning may precede or follow rotation.
+    The shorter of the two pre-event windows is used for both channels; if it is shorter than 1 s, the mean of all
+    samples is subtracted instead. Every step is therefore linear in the samples, so that conditioning may precede or
+    follow rotation.
 
     Examples
     --------
@@ -265,8 +266,8 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
     first, second = (channel if channel.stage == "conditioned" else condition(channel, **options) for channel in noted)
     if not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(
-            f"{first.id}, {second.id}: expected one sampling interval, found {first.dt:g} and {second.dt:g} s; "
-            "give [conditioning] resample_s"
+            f"{first.id}, {second.id}: expected the same sampling interval in both, found {first.dt:g} and "
+            f"{second.dt:g} s; give [conditioning] resample_s"
         )
     return Pair(*_same_samples(first, second))
 
@@ -274,7 +275,7 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 def _check_overlap(channel: Record, other: Record, samples: int) -> None:
     if samples < 2:
         raise RecordRefused(
-            f"{channel.id}, {other.id}: expected two samples or more in their common time, found "
+            f"{channel.id}, {other.id}: expected at least two samples in their common time, found "
             f"{max(samples, 0)}; they are not a pair"
         )
 
@@ -298,7 +299,7 @@ def _cut(channel: Record, other: Record) -> Record:
 
 
 def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """Return options that use one pre-event window for both channels, and a processing step that states this window."""
+    """Return options with one pre-event window for both channels, and a processing step that states this window."""
     baseline = options.get("baseline", "auto")
     searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
     if not searched or options.get("pre_event_s") is not None:
@@ -328,7 +329,7 @@ def _same_samples(first: Record, second: Record) -> tuple[Record, Record]:
         values = second.acceleration[place.astype(int)]
     else:
         values = np.interp(place, np.arange(second.npts), second.acceleration)
-        note = f"linear between its samples at those of {first.id}, {start % 1.0:.3f} of an interval"
+        note = f"interpolated linearly at the sample times of {first.id}, {start % 1.0:.3f} of an interval apart"
         second = second.with_note(note)
     return (
         replace(first, acceleration=first.acceleration[kept], start_time=moved),

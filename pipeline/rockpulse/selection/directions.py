@@ -43,8 +43,8 @@ class PlannedMotion:
     name: str  # id of the channel, or name of the pair; unique
     channels: tuple[Record, ...]  # one channel, or both channels of a pair, as read
     vertical: Record | None = None  # as read
-    partner: Record | None = None  # the other channel of a single channel's pair, as read, for the intensity of both
-    warnings: tuple[str, ...] = ()  # warnings for each record made from the channels
+    partner: Record | None = None  # for one channel: the other channel of its pair, as read, for the intensity of both
+    warnings: tuple[str, ...] = ()  # warnings that each record made from the channels gets
     copy: int = 1  # number, from 1, among pairs whose rotated records would have the same id
     comparisons: tuple[Comparison, ...] = ()  # other records with which the channels are compared
 
@@ -54,7 +54,7 @@ class PlannedMotion:
         return len(self.channels) > 1
 
     def direction_id(self, azimuth: float) -> str:
-        """Return the id of the pair's record in one direction [degrees]."""
+        """Return the id of the record that is made from the pair in the direction `azimuth` [degrees]."""
         name = rotated_id(self.channels[0], azimuth)
         return name if self.copy == 1 else f"{name}~{self.copy}"
 
@@ -64,7 +64,7 @@ class Motion:
     """A conditioned horizontal record to be assessed, with its vertical acceleration."""
 
     record: Record  # a channel or a rotated pair, conditioned
-    vertical: Record | None = None  # the vertical channel that acts too, conditioned
+    vertical: Record | None = None  # the vertical channel that acts together with it, conditioned
     channels: tuple[Record, ...] = ()  # the channel or pair from which the record is made, conditioned
     partner: Record | None = None  # the other channel of a single channel's pair, conditioned
 
@@ -81,10 +81,11 @@ class VerticalRefused(RecordRefused):
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """Return the channels and pairs to be assessed as section [records] states, and failures of all other channels.
+    """Return the channels and pairs to be assessed according to section [records], and failures of other channels.
 
-    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a value of
-    an intensity measure, the other channel of its pair is kept with each channel: both have one scale factor.
+    A channel without a pair is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a
+    value of an intensity measure, the other channel of its pair is kept with each single channel, as both are scaled
+    by the same factor. `twins` are the rejected duplicates, with which accepted records are compared.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -114,7 +115,7 @@ def plan_motions(
 
 
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """Return the conditioned channel, or the conditioned pair rotated to every requested direction."""
+    """Return the conditioned channel, or for a pair one conditioned record in each requested direction."""
     up = _conditioned_vertical(planned, config)
     planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
     if not planned.rotated:  # its warnings precede the warnings of conditioning
@@ -123,7 +124,7 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
             try:
                 partner = conditioned(planned.partner, config)
             except RockpulseError as error:
-                reason = f"the other channel, {planned.partner.id}, fails: {error}"
+                reason = f"the other channel, {planned.partner.id}, cannot be conditioned: {error}"
                 warnings = (*warnings, WarningText("scaled_alone", reason=reason))
         motion = conditioned(_warned(planned.channels[0], warnings), config)
         return [Motion(motion, up, (motion,), partner)]
@@ -165,7 +166,7 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Return, by name of the pair, the ids of its records in all directions; None if `components` is not "sweep"."""
+    """Return the ids of the records in all directions, by the name of the pair; None if not a sweep over directions."""
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
@@ -192,7 +193,7 @@ def _with_comparisons(
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """Return a channel without a pair as a record to be assessed if it is along the azimuth, else None."""
+    """Return a channel without a pair as a record to be assessed if its direction is the azimuth; otherwise None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -202,7 +203,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Add to each single channel the other channel of its pair, or a warning without one; pairs are unchanged."""
+    """Add the other channel of its pair to each single channel, or a warning if there is none; keep pairs unchanged."""
     partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 
@@ -230,8 +231,8 @@ def sweep_azimuths(step: float) -> list[float]:
     return [180.0 * number / count for number in range(count)]
 
 
-#: Directions in which a conditioned pair is assessed, for each word of ``[records] components``; only the strongest
-#: depends on the pair.
+#: For each value of ``[records] components``, a function that returns the directions in which a conditioned pair is
+#: assessed; only the strongest direction depends on the pair.
 DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
     "azimuth": lambda pair, config: [config.records.azimuth],
     "strongest": lambda pair, config: [strongest_azimuth(pair, **config.half_waves)[0]],
@@ -246,7 +247,7 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
 
 
 def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> RecordRefused | None:
-    """Return the error of a channel with a doubtful peak or defect that is not confirmed; None for other channels."""
+    """Return the error for a channel with a doubtful peak or defect that the user has not confirmed, else None."""
     if id_matches(conditioned.id, confirm):
         return None
     if conditioned.pga > LARGEST:
@@ -265,7 +266,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> RecordRefused | 
 def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
-    """Return a failure row for each channel that is not used because it, or a channel used with it, is doubtful."""
+    """Return a failure for each channel that is left out because it, or a channel used with it, is doubtful."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""

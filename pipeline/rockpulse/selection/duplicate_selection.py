@@ -19,7 +19,7 @@ from rockpulse.record.components import concurrent, find_pairs, instrument, plac
 from rockpulse.record.record import Record, id_matches
 from rockpulse.warning_text import find
 
-#: Largest angle between channels of the same direction, or of opposite directions [degrees].
+#: Largest angle between two channels that are regarded as parallel [degrees].
 SAME_DIRECTION = 5.0
 
 
@@ -41,12 +41,12 @@ def without_duplicates(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """Return one record of each ground motion, a failure row for each other record, and the twins (:class:`Twin`).
+    """Return one record of each ground motion, a failure for each other record, and comparable duplicates as twins.
 
     Recordings are preferred in this order: at the surface; confirmed; all horizontal channels usable; with a pair or a
     vertical channel, if these are requested; processed; higher sampling rate; longer; first by path. A dead channel, or
     a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records] keep`` are
-    assessed in addition to the chosen record. A failure row ends with `advice`.
+    assessed in addition to the chosen record. The reason of each failure ends with `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -69,7 +69,7 @@ def without_duplicates(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """Return a failure row if a pattern matches no record id; if all files were read, raise ConfigError instead."""
+    """Return a failure if a pattern matches no record id; if all files could be read, raise ConfigError instead."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
@@ -81,7 +81,7 @@ def unmatched_patterns(
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
-    """Return network, station and, on a structure, place of a record; None if the record cannot have duplicates."""
+    """Return network, station and, on a structure, location of a record; None if it is not compared with others."""
     if not record.station or record.start_time is None or record.orientation == "unknown":
         return None
     if record.orientation != "vertical" and not math.isfinite(record.azimuth):
@@ -93,7 +93,7 @@ def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
 
 
 def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
-    """Group the records of a site that overlap in time; a gap without records separates two groups."""
+    """Yield groups of records of a site; a time without any record separates two groups."""
     stretch: list[Record] = []
     end = -math.inf
     timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]
@@ -125,7 +125,7 @@ class _Recording:
         return pairs[0].channels if len(pairs) == 1 else ()
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
-        """Return the key by which recordings are sorted, beginning with the preferred one."""
+        """Return the key by which recordings are sorted; the preferred recording has the smallest key."""
         return (
             self.level,
             not any(id_matches(one.id, self.confirm) for one in self.horizontal),
@@ -192,7 +192,7 @@ class _DuplicateSelection:
         reason_text = f"{record.id}: {how} {accepted.id} in {accepted.source}, which is used instead: "
         reason_text += self._why(record, recording, accepted, of_accepted)
         if (bare := uncovered(accepted, record)) > 0.5 * record.duration:
-            reason_text += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
+            reason_text += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in that one"
         reason_text += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", reason_text, "depth" if deeper else "duplicate")
 
@@ -249,7 +249,7 @@ def _one_direction(record: Record, other: Record) -> bool:
 
 
 def _fault(record: Record, confirm: Sequence[str]) -> str:
-    """Return the fault of a record because of which a duplicate is used instead; empty if it has no fault."""
+    """Return the fault of a record that makes a duplicate preferable to it; an empty text if it has no fault."""
     if find(record.warnings, "dead_channel"):
         return "this channel is dead"
     odd = find(record.warnings, "odd_peak")

@@ -1,4 +1,7 @@
-"""Groups records by earthquake, as resamples draw whole earthquakes; doubtful cases are put into one group."""
+"""Groups records by earthquake; records that may be of one earthquake are put into one group.
+
+The groups are needed because records of one earthquake are not independent: statistics resample whole earthquakes.
+"""
 
 import re
 from collections import Counter, defaultdict
@@ -11,7 +14,7 @@ from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
 from rockpulse.selection.tables import given_table, read_event_table
 
-#: Records that start within this time of each other are of one earthquake [s].
+#: Records that start within this time of each other are assigned to one earthquake [s].
 JOINED_WITHIN_S = 600.0
 #: Largest difference between two stated origin times of one earthquake [s], and between two stated magnitudes of any
 #: scale; if origin times differ by more than `JOINED_WITHIN_S`, the earthquakes are different, unless other records
@@ -33,14 +36,14 @@ _DATE = re.compile(
     r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
 )
 _YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
-#: Smallest two-digit year of the twentieth century.
+#: Smallest two-digit year that is read as a year of the twentieth century.
 _CENTURY = 30
 #: Pattern of the number of an earthquake in its sequence, as in NGA: Imperial Valley-06.
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield pairs (indices) of records of one earthquake, enough to connect all its records among those in `free`."""
+    """Yield pairs of record indices; a chain of pairs connects all records of one earthquake with indices in `free`."""
     by_file = _grouped(free, lambda index: records[index].source or None)
     for members in by_file + _grouped(free, lambda index: records[index].together or None):
         yield from pairwise(members)
@@ -74,7 +77,7 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs of indices to connect all records at most `within` seconds apart for which `agree` is true."""
+    """Yield pairs of indices; a chain of pairs connects records at most `within` s apart for which `agree` is true."""
     # Records with equal origin time and magnitude agree with the same records: only the latest one is compared.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -86,7 +89,7 @@ def _near(
 
 
 def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs of indices to connect all records with the same title that may be of one earthquake."""
+    """Yield pairs of indices; a chain of pairs connects records of one title that may be of one earthquake."""
     groups = _by_day(records, members)
     yield from chain.from_iterable(map(pairwise, groups))
     for one, other in _that_may_agree(records, _ends(groups)):
@@ -95,12 +98,12 @@ def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[
 
 
 def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
-    """Return the first and the last record of each group; to compare groups, these two are sufficient."""
+    """Return the first and the last index of each group; comparing these is sufficient to compare the groups."""
     return [index for same in groups for index in dict.fromkeys((same[0], same[-1]))]
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield all pairs among the indices `ends` that may be of one earthquake, and some pairs that cannot be."""
+    """Yield every two of the indices `ends` whose records may be of one earthquake, and some others."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
@@ -128,7 +131,7 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
 
 
 def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """Group records with the same title and origin time that start within `CLOCK_S` of the first of the group."""
+    """Group records with the same title and origin time that start within `CLOCK_S` of the first one in the group."""
     groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
     for index in members:
         record, moment = records[index], moment_of(records[index])
@@ -150,19 +153,19 @@ def moment_of(record: Record) -> datetime | None:
 
 
 def _may_be_one(one: Record, other: Record) -> bool:
-    """Return whether the origin times of two files, if both are stated, may belong to one earthquake."""
+    """Return whether the origin times of two records may be of one earthquake; True if one of them is not stated."""
     if one.origin_time is None or other.origin_time is None:
         return True
     return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
 
 
 def _alike(one: Record, other: Record) -> bool:
-    """Return whether the magnitudes of two files, if both are stated, may belong to one earthquake."""
+    """Return whether the magnitudes of two records may be of one earthquake; True if one of them is not stated."""
     return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
 
 
 def _agree(one: Record, other: Record) -> bool:
-    """Return whether nothing indicates that two records with the same name are of different earthquakes."""
+    """Return whether two records with the same title may be of one earthquake, judged by time, number and year."""
     if not _may_be_one(one, other):
         return False
     first, second = moment_of(one), moment_of(other)
@@ -174,7 +177,7 @@ def _agree(one: Record, other: Record) -> bool:
 
 
 def _years(record: Record) -> set[int]:
-    """Return the years in the title of a record, or the year of its time (two years near New Year)."""
+    """Return the years in the event title of a record; if none, the year of its time (two years if near New Year)."""
     found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
     moment = moment_of(record)
     if not found and moment is not None:
@@ -189,7 +192,7 @@ def words_of(title: str) -> frozenset[str]:
 
 
 def name_of(title: str) -> frozenset[str] | str:
-    """Return the words of a title that may name an earthquake; else the title if it has a digit, or an empty text."""
+    """Return the words of a title that may name an earthquake; if none, the title if it contains a digit, else ""."""
     return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 
@@ -200,10 +203,10 @@ UNKNOWN = "unknown: neither name nor time stated, counted as one"
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
     """Return the earthquake of every record, as a label that records of one earthquake share.
 
-    `named` contains labels by record id, which replace the statements of the files; ConfigError if it contains an
-    unknown id or an empty label. A label is the user's label, or the most frequent title of the group, or its earliest
-    start time, or :data:`UNKNOWN`. Labels of groups with the same title end with their time (or file). Two records are
-    joined if
+    `named` contains the user's labels by record id, which replace the information in the files; ConfigError is raised
+    if it contains an unknown id or an empty label. The label of any other group is its most frequent title, its
+    earliest time or file if it has no title, or :data:`UNKNOWN`. Labels of groups with the same title end with their
+    time (or file). Two records are put into one group if
 
     - they are from one file;
     - their files, of one format, state the same `event_id`;
@@ -212,9 +215,10 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     - their titles have the same words except dates, numbers and general words, unless their times are more than a day
     apart, or their titles name different years or different numbers in a sequence ("Imperial Valley-02", "-06").
 
-    If the stated origin times are more than :data:`JOINED_WITHIN_S` apart, only records of one file are joined: shocks
-    of one sequence share a name, and often an hour. Different ids do not separate records, since agencies number one
-    earthquake differently. Joining is transitive. Records that state neither a title nor a time are one earthquake.
+    If the stated origin times are more than :data:`JOINED_WITHIN_S` apart, only records of one file are put together:
+    shocks of one sequence share a name, and often occur within an hour. Different ids do not separate records, since
+    agencies number one earthquake differently. If A and B, and B and C are put together, A and C are in the same group.
+    Records that state neither a title nor a time count as one earthquake.
     """
     named = dict(named or {})
     ids = [record.id for record in records]
@@ -247,7 +251,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 
 
 def event_table(config: Config) -> dict[str, str]:
-    """Read the table of ``[records] events`` (event by record id), if given; ConfigError or OSError if unreadable."""
+    """Return the earthquake of each record id in the table ``[records] events``; empty if no table is given."""
     where, given = "[records] events", config.records.events
     return {} if given is None else read_event_table(given_table(given, config, where, "record, event"))
 
@@ -255,7 +259,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """Return the earthquake of each record id, and a failure if `named` has unknown ids and some files are unread."""
+    """Return the earthquake of each record id, and a failure for ids in `named` that may be those of unread files."""
     ids = [record.id for record in records]
     failures = list(failures)
     failed = {row.place for row in failures if row.kind == "failed"}  # these have rows of their own
@@ -266,8 +270,8 @@ def events_by_id(
     if not unknown:
         return found, []
     reason = (
-        f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
-        f"{some(ids, 3)}: correct the names, unless they are records of the files that failed"
+        f"[records] events names records that were not read: {some(unknown, 5)}; examples of the "
+        f"records that were read: {some(ids, 3)}: correct the names, unless they are records of the files that failed"
     )
     return found, [Failure("[records] events", "events", reason, "failed")]
 
@@ -290,7 +294,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words; if several, the first in the alphabet."""
+    """Return the most frequent title, preferably one with words; if there are several, the first alphabetically."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

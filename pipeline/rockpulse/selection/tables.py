@@ -1,4 +1,4 @@
-"""Reads the user's tables of a site: events of records, selected records, and weights."""
+"""Reads the user's tables of records: their earthquakes, scale factors and weights."""
 
 import csv
 import io
@@ -32,7 +32,7 @@ def read_weight_table(path: Path) -> dict[str, float]:
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Return the weights of records, with mean 1, by the rule "equal" or "event", or from a table."""
+    """Return the weights (n,) of records, with mean 1: equal, equal for each earthquake ("event"), or from a table."""
     if rule == "equal":
         weights = np.ones(len(ids))
     elif rule == "event":
@@ -42,7 +42,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
         if missing := [name for name in ids if name not in table]:
             raise ConfigError(
                 f"[calibration] weights: {rule} has no weight for {len(missing)} of {len(ids)} records: "
-                f"{', '.join(missing[:5])}; give every record one, 0 to leave it out"
+                f"{', '.join(missing[:5])}; give every record a weight (0 leaves it out)"
             )
         weights = np.array([table[name] for name in ids])
         if not np.any(weights > 0.0):
@@ -87,7 +87,7 @@ def read_selection_table(path: Path, where: str = "[fragility] selection") -> Se
             raise ConfigError(f"{where}: {path}: row {line}: expected the id of a record, found an empty cell")
         own = found.setdefault(record, [])
         if any(amount == values[0] for amount, _ in own):
-            raise ConfigError(f"{where}: {path}: row {line}: {record} has a row of {kinds[0]} {values[0]:g} already")
+            raise ConfigError(f"{where}: {path}: row {line}: {record} already has a row with {kinds[0]} {values[0]:g}")
         own.append((values[0], values[1] if len(values) > 1 else 1.0))
     if not found:
         raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
@@ -101,7 +101,7 @@ def selection_of(config: Config) -> SelectedRecords | None:
 
 
 def demand_selections(config: Config) -> dict[str, dict[str, float]]:
-    """Return, by name of each demand with a selection, the scale factors of its records by id."""
+    """Return the scale factor of each record id, for each demand that has a table of them, by the demand's name."""
     found = {}
     for demand in config.demands:
         if demand.selection is not None:
@@ -113,7 +113,7 @@ def demand_selections(config: Config) -> dict[str, dict[str, float]]:
 
 @lru_cache(maxsize=16)
 def _factors(path: Path, where: str, state: int) -> dict[str, float]:
-    """Return the scale factor of each record; the result is cached, as every record of a run needs the table."""
+    """Return the scale factor of each record id in a table; it is cached, as it is needed for every record of a run."""
     table = read_selection_table(path, where)
     if not table.by_factor:
         raise ConfigError(f"{where}: {path}: expected the column factor, the scale factor of each record, found level")
@@ -154,7 +154,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 
 
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return the header of a CSV table, and line number and cells of each row; ConfigError if a column is missing."""
+    """Return the header of a CSV table, and each row as line number and cells; ConfigError if a column is missing."""
     named = ", ".join(columns)
     expected = f"a CSV table with the columns {named}"
     text = read_text(path, what=expected)

@@ -24,16 +24,16 @@ COMPONENTS_RATIO = 5.0
 INTERVALS_APART = 0.01
 #: Smallest correlation of two components of which one is a copy of the other, whatever its sign and scale.
 COPY_CORRELATION = 0.999
-#: Smallest angle between the lines of the two components of a pair [degrees].
+#: Smallest angle between the axes of the two components of a pair that are compared [degrees].
 LEAST_TURN = 45.0
-#: Band in which records are compared [Hz], below this share of the lower sampling rate.
+#: Frequency band in which records are compared [Hz]; upper limit of the band as a share of the lower sampling rate.
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
 #: Largest error of a clock [s]; for two records of the same ground motion with such an error, smallest correlation and
-#: largest relative difference of the times between which the energy arrives.
+#: largest relative difference of the durations in which equal shares of the energy arrive.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
-#: Width of the classes of azimuths in which candidates are searched [degrees].
+#: Width of the classes of azimuth [degrees]; only records of one class are compared as the same motion.
 SAME_LINE = 5.0
-#: Possible causes for each ratio of two peaks, within 1.5 %.
+#: Possible cause of each ratio of two peaks, which is met within 1.5 %.
 CAUSES = {
     10.0: "one of them may be in mm/s2 and read as cm/s2, or in g/10 and read as g",
     9.80665: "one of them may be in g and read as m/s2",
@@ -152,7 +152,7 @@ def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
                 break
         said.append(unlike)
     elif like.correlation * expected < 0.0:
-        said.append("the sign is opposite: one of them may be positive the other way")
+        said.append("the sign is opposite: one of them may be positive in the opposite direction")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
         said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
@@ -177,7 +177,7 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a component copies the other, or if intervals or (without a defect) peaks differ too much."""
+    """Return a warning if one component is a copy of the other, or if their intervals or peaks differ too much."""
     if abs(channel.dt / other.dt - 1.0) > INTERVALS_APART:
         return WarningText("interval_apart", interval=channel.dt, other=other.id, stated=other.dt, decides=True)
     mine, others = (outline_of(one) for one in (channel, other))
@@ -191,7 +191,7 @@ def _components(channel: Record, other: Record) -> WarningText | None:
 
 
 def _copy(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a channel is another channel multiplied by a number."""
+    """Return a warning if the samples of a channel are those of another channel, multiplied by a number."""
     correlation = likeness(channel, other).correlation
     if abs(correlation) < COPY_CORRELATION:
         return None
@@ -199,12 +199,12 @@ def _copy(channel: Record, other: Record) -> WarningText | None:
 
 
 def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
-    """Return whether the peaks of two outlines differ by `COMPONENTS_RATIO` or more."""
+    """Return whether the peaks in the outlines of two records differ by a factor of `COMPONENTS_RATIO` or more."""
     return not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of channel and partner if peaks differ strongly, intervals differ, or one may be a copy."""
+    """Yield a comparison for each channel whose partner has a very different peak or interval, or may be a copy."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -230,7 +230,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
-    """Return the partners of channels without times that are no pair only because their intervals differ."""
+    """Return, by ``id(channel)``, the partner of each channel if only their sampling intervals prevent a pair."""
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:

@@ -9,8 +9,8 @@
 
        I_c = I_1c/[(1 - sigma) S_N + (sigma/2) (1 + tanh(p dT/2))],  S_N = (1 - C^N)/(1 - C),
 
-   for a half-cycle that contains a whole number of intervals. The even number n moves I_c by 2 % or less, and I is
-   corrected by a search.
+   for a half-cycle that contains a whole number of intervals. As the number n of secondary impulses must be even, I_c
+   differs from this by up to 2 %; a search corrects I.
 """
 
 from dataclasses import dataclass
@@ -70,11 +70,11 @@ class DesignSpectrum:
     spacing: str = "end"
 
     def covers(self, block: Block) -> np.ndarray:
-        """Return a mask (m,): True for free, symmetric blocks of slenderness 3.5 or more in the ranges of p and C."""
+        """Return a mask (m,): True for free, symmetric blocks of slenderness 3.5 or more inside the spectrum."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
-        """Return the effective impulse S (m,) [m/s] on each block; raise ValueError outside the spectrum."""
+        """Return the effective impulse S (m,) [m/s] on each block; ValueError for a block outside the spectrum."""
         one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
@@ -86,15 +86,14 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the scale factor (m,) on the spectrum that overturns each block; ValueError outside the spectrum."""
+        """Return the scale factor (m,) on the spectrum at which each block overturns; ValueError for blocks outside."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence with the same effect as the spectrum; ValueError outside it.
+        """Return for each of (m,) blocks the sequence that overturns it at the scale factor :meth:`factor`.
 
-        The sequence model overturns a block at the scale factor of the spectrum. Use the sequences with
-        ``sequence_response(..., paired=True)``.
+        Use the sequences with ``sequence_response(..., paired=True)``. ValueError for a block outside the spectrum.
         """
         one, factor = block.lanes(), self.factor(block)
         critical = critical_main(one, self.ratio, self.interval, self.main_count)
@@ -120,7 +119,7 @@ def critical_main(block: Block, ratio: ArrayLike, interval: float, main_count: i
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return values (m, ...) at the p and C of blocks, interpolated in `values` (a, c, ...) over ln p and C."""
+    """Interpolate `values` (a, c, ...) on a grid of p and C at the p and C of m blocks; return an array (m, ...)."""
     from scipy.interpolate import RegularGridInterpolator  # imported late, as its import is slow
 
     places = []

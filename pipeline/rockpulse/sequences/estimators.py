@@ -31,7 +31,7 @@ def _quantile(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
 
 
 #: Estimators of the main impulse from absolute impulses in descending order. They return the main impulse [m/s], and
-#: the number of impulses that are not secondary.
+#: the number of largest impulses that are not used to estimate the secondary impulse.
 MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
     "largest": lambda sizes, m, quantile: (float(sizes[0]), 1),
     "mean-largest": _mean_of_largest,

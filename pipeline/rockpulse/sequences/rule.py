@@ -2,7 +2,7 @@
 
 The demand D is a fitted factor times the demand of a march through the half-waves
 (:func:`rockpulse.models.demand_of_half_waves`), but at most PGA/(g tan alpha). The sequence overturns a block if D >=
-1; else the peak is 1 - sqrt(1 - D^2). The safety factor is 1/D.
+1; otherwise the largest rotation ratio is 1 - sqrt(1 - D^2). The safety factor is 1/D.
 """
 
 import math
@@ -28,11 +28,12 @@ from rockpulse.errors import ConfigError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
-#: For each variant: the field of :class:`rockpulse.models.HalfWaveDemand`, and the scale factor that 1/D estimates.
+#: For each variant of the rule: the field of :class:`rockpulse.models.HalfWaveDemand` that it uses, and the name of
+#: the scale factor that 1/D estimates.
 POINTS = {"balanced": ("march", "factor_mean"), "conservative": ("march_10", "factor_10")}
-#: The rule that is part of the package.
+#: Name of the file in this package that contains the rule.
 SHIPPED = "rule.toml"
-#: The quantities of a body by which the range of a rule is defined, with their units.
+#: The properties of a body by which the range of a rule is defined, with templates for their text.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
@@ -50,7 +51,7 @@ class Rule:
     Attributes
     ----------
     point : str
-        "balanced" or "conservative".
+        Name of the variant, "balanced" or "conservative".
     factor : float
         Factor on the demand of a march through the half-waves [-], positive.
     within : dict of str to (float, float)
@@ -110,11 +111,11 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence equivalent to the record; without uplift its impulses are zero.
+        """Return for each of (m,) blocks a sequence equivalent to the record; impulses are zero if it does not lift.
 
-        Use with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
-        (VALIDATION F4) half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 -
-        C^i)/(1 - C). N main impulses overturn it if v_N >= 1; I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
+        Use it with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
+        half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, with S_i = (1 - C^i)/(1 - C).
+        N main impulses overturn it if v_N >= 1; I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
@@ -122,7 +123,7 @@ class Rule:
     def spectrum_lanes(
         self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None, *, rotations: bool = True
     ) -> SpectrumLanes:
-        """Return the blocks of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
+        """Return the blocks of the overturning spectrum at ascending p (a,) [1/s]; their demands include `factor`.
 
         No block overturns below x = p/PGA (:class:`rockpulse.models.SpectrumLanes`), at which the PGA lifts it. The
         random critical angles are on average 4 % smaller than the nominal angle, so that the spectrum is at most
@@ -137,7 +138,7 @@ class Rule:
         return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
-        """Return a mask (m,) of the bodies in the range on which the rule was fitted, or at most 1 % outside it.
+        """Return a mask (m,) of the bodies inside the range on which the rule was fitted, or at most 1 % outside it.
 
         Examples
         --------
@@ -152,7 +153,7 @@ class Rule:
 
     @property
     def range_text(self) -> str:
-        """The range of bodies on which the rule was fitted, in words."""
+        """The range of bodies on which the rule was fitted, as text."""
         return ", ".join(
             "Housner's C"
             if name == "restitution_ratio" and f"{low:.3g}" == f"{high:.3g}" == "1"
@@ -207,7 +208,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """Return the quantities (m,) that define the range of a rule, for blocks, by the names in TRAITS."""
+    """Return the properties (m,) of blocks that are compared with the range of a rule, by the names in `TRAITS`."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
@@ -223,7 +224,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """Return a sequence with the demand D for each of (m,) blocks; the impulses are zero for blocks not `lifted`."""
+    """Return for each of (m,) blocks a sequence with the given demand; its impulses are zero if it is not `lifted`."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)

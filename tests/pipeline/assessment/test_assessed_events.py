@@ -103,7 +103,7 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
     (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
     told = []
     both(folder, config, tmp_path / "y.h5", BatchOptions(tell=told.append))
-    said = "[records] events names records that were not read: elsewhere; the records read are such as m0"
+    said = "[records] events names records that were not read: elsewhere; examples of the records that were read: m0"
     assert [line.startswith(said) for line in told] == [True]
     records, failures = read_all(folder)
     of_fragility = FragilityAnalysis(config).plan(records[:1], failures).failures

@@ -1,4 +1,4 @@
-"""One parser for the commands of a module, and the smallest configuration of a run."""
+"""A results file that is read once for the commands of a module, and the smallest configuration of a run."""
 
 from functools import cache
 from pathlib import Path
@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 from results_tree import results_bytes
 
-from rockpulse import cli
 from rockpulse.storage.hdf5 import results_file
 
 #: One model, without factors, spectra or probability.
@@ -17,15 +16,6 @@ models = []
 [uncertainty]
 probability = false
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def one_parser():
-    """Building the parser of all verbs takes longer than many a command."""
-    parser = cli.build_parser()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cli, "build_parser", lambda: parser)
-        yield
 
 
 @pytest.fixture(scope="module")

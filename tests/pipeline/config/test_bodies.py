@@ -69,8 +69,8 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
             "equal length",
         ),
         ({"a": Block(1.0, 4.0), "b": Block(1.0, 4.0, gravity=9.81)}, "gravity"),
-        ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "restitution only"),
-        ({"a": Block.from_parameters(2.0, 0.2, 0.9, radius=[1.0, 1.1])}, "restitution only"),
+        ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "only in restitution"),
+        ({"a": Block.from_parameters(2.0, 0.2, 0.9, radius=[1.0, 1.1])}, "only in restitution"),
     ],
 )
 def test_bodies_that_cannot_be_lined_up_are_refused(blocks, message):

@@ -255,7 +255,7 @@ def test_without_loads_the_crushed_depth_needs_no_length(load):
     wall = '[[block]]\nname = "wall"\nwidth = 0.6\nheight = 6.0\ndensity = 1800.0\ncompressive_strength = 2e6\n'
     (one,), (long,) = load(wall).bodies, load(wall + "length = 5.0\n").bodies
     assert one.block().alpha_c == pytest.approx(long.block().alpha_c, rel=1e-12)
-    with pytest.raises(ConfigError, match="with ties, loads or thrusts also length"):
+    with pytest.raises(ConfigError, match="and length, if there are ties, loads or thrusts"):
         load(wall + "[[block.load]]\nweight = 1e4\nheight = 5.0\n")
 
 

@@ -119,7 +119,7 @@ def entry(name="a.AT2", offset=0, packed=10, size=10):
         ([entry(), entry("c", 79), entry("b", 40)], "the members b and c overlap"),
         ([entry(), entry("b", 39)], "the members a.AT2 and b overlap"),
         ([entry(size=2**31 - 5), entry("b", 40, size=5)], ""),
-        ([entry(size=2**31 - 5), entry("b", 40, size=6)], "members of 2147483649 bytes, expected at most"),
+        ([entry(size=2**31 - 5), entry("b", 40, size=6)], "2147483649 bytes in all members, expected at most"),
         ([entry()] * 100_000, "overlap"),
         ([entry()] * 100_001, "100001 members, expected at most"),
     ],

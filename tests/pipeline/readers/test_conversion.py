@@ -71,7 +71,7 @@ def test_miniseed_holds_all_and_has_a_station_file(tmp_path):
         ("out.dat", None, r"found '\.dat'"),
         ("out.dat", "xls", "found 'xls'"),
         ("out.txt", "csv", r"a file of the format csv ends in \.csv, found '\.txt'"),
-        ("out.csv", "at2", "the file name means csv, but the format is at2"),
+        ("out.csv", "at2", "the suffix belongs to the format csv, but the format is at2"),
         ("new", "mseed", "miniSEED holds all records in one file; name it, such as"),
         ("missing/new/out.csv", None, "there is no folder .*missing/new; create it first"),
         ("missing/out.csv", None, "there is no folder .*missing; create it first"),
@@ -106,7 +106,7 @@ def test_the_file_a_record_came_from_is_never_replaced(tmp_path):
     (record,) = rp.read(tmp_path / "in.AT2")
     (tmp_path / "link.AT2").symlink_to("in.AT2")
     for name in ("in.AT2", "link.AT2"):
-        with pytest.raises(ConfigError, match="a record comes from this file"):
+        with pytest.raises(ConfigError, match="a record was read from this file"):
             rp.write([record], tmp_path / name, overwrite=True)
 
 
@@ -151,7 +151,7 @@ def test_a_damaged_station_file_in_the_folder_is_named_and_nothing_stays(tmp_pat
 def test_the_station_file_of_a_converted_record_serves_no_other_miniseed_file(tmp_path):
     rp.write([EAST], tmp_path / "out.mseed")
     (tmp_path / "counts.mseed").write_bytes((tmp_path / "out.mseed").read_bytes())
-    with pytest.raises(RecordRefused, match=r"out\.xml, which serves the miniSEED file of its own name only"):
+    with pytest.raises(RecordRefused, match=r"out\.xml, which applies only to the miniSEED file of the same name"):
         rp.read(tmp_path / "counts.mseed")
     # Unless that is asked for.
     (record,) = rp.read(tmp_path / "counts.mseed", stationxml=tmp_path / "out.xml")
@@ -177,7 +177,7 @@ def test_two_miniseed_files_that_would_share_a_station_file_are_refused(tmp_path
         ({"acceleration": 1.000000001 * EAST.acceleration}, r"the samples of CI\.CLC\.\.90 would differ after reading"),
         (
             {"azimuth": np.nan, "component": "", "channel": "HN1"},
-            "the azimuth would be read again as nan instead of 90",
+            "the azimuth would be read back as nan instead of 90",
         ),
     ],
 )
@@ -196,7 +196,7 @@ def test_miniseed_that_does_not_come_back_whole_is_refused_and_nothing_stays(tmp
 
 def test_a_channel_on_a_structure_is_logged(tmp_path, caplog):
     rp.write([EAST, replace(UP, orientation="structural")], tmp_path / "out.csv")
-    assert caplog.messages == ["CI.CLC..Up: on a structure, which .csv files cannot store"]
+    assert caplog.messages == ["CI.CLC..Up: the sensor is on a structure, which .csv files cannot state"]
 
 
 def test_at2_says_that_a_channel_is_on_a_structure(tmp_path, caplog):
@@ -217,7 +217,7 @@ def test_no_sign_in_a_path_uncovers_the_file_a_record_came_from(tmp_path, name):
     (record,) = rp.read(path)
     assert record.source == str(path)
     for source in (record.source, f"{record.source}; {tmp_path}/other.AT2", f"other.zip!x; {record.source}!inside.AT2"):
-        with pytest.raises(ConfigError, match="a record comes from this file"):
+        with pytest.raises(ConfigError, match="a record was read from this file"):
             rp.write([replace(record, source=source)], path, overwrite=True)
     assert path.read_bytes() == before
 
@@ -267,7 +267,7 @@ def test_where_one_file_cannot_be_placed_all_stay_as_they_were(tmp_path, monkeyp
 
 
 def test_ids_that_one_folder_cannot_hold_are_refused(tmp_path):
-    with pytest.raises(ConfigError, match="expected records of different ids"):
+    with pytest.raises(ConfigError, match="expected records with different ids"):
         rp.write([EAST, replace(UP, id="ci.clc..90")], tmp_path, format="csv")
 
 
@@ -293,7 +293,7 @@ def test_the_digits_of_a_format_tell_how_far_samples_may_be_off(tmp_path, monkey
 @pytest.mark.parametrize(("share", "kept"), [(5e-8, True), (-5e-8, True), (2e-7, False), (-2e-7, False), (0.5, False)])
 def test_an_interval_comes_back_to_seven_digits(tmp_path, monkeypatch, share, kept):
     changed("at2", monkeypatch, lambda one, record: one(replace(record, dt=record.dt * (1.0 + share))))
-    told = r"the sampling interval of CI\.CLC\.\.90, 0\.01 s, would be read again as"
+    told = r"the sampling interval of CI\.CLC\.\.90, 0\.01 s, would be read back as"
     with raises_if(not kept, RecordRefused, told):
         rp.write(EAST, tmp_path / "out.AT2")
 
@@ -305,7 +305,7 @@ def test_samples_and_records_come_back_in_their_number(tmp_path, monkeypatch):
     monkeypatch.undo()
     rows = "".join(f"{0.01 * k:.2f},{k % 7},{k % 5}\n" for k in range(300)).encode()
     changed("csv", monkeypatch, lambda one, record: b"time,acc_E,acc_N\n" + rows)
-    with pytest.raises(RecordRefused, match="of 1 written records 2 were read back; no file was kept"):
+    with pytest.raises(RecordRefused, match="only 2 of 1 records could be read back; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
 
@@ -321,7 +321,7 @@ def test_what_a_format_of_few_digits_may_lose_near_zero(tmp_path, monkeypatch, f
 
 def test_a_file_that_would_not_be_read_again_is_not_kept(tmp_path, monkeypatch):
     changed("csv", monkeypatch, lambda one, record: b"no table")
-    with pytest.raises(RecordRefused, match=r"out\.csv: would not be read again .*; no file was kept"):
+    with pytest.raises(RecordRefused, match=r"out\.csv: the file could not be read back .*; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
 
@@ -362,4 +362,4 @@ def test_properties_may_be_missing_only_where_a_format_has_no_place_for_them(rec
     for everything, word in ((True, whole), (False, partly)):
         told = _wrong(record, again, everything)
         assert bool(told) is bool(word)
-        assert f"{word} would be read again as" in told or not word
+        assert f"{word} would be read back as" in told or not word

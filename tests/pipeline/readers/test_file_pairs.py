@@ -102,7 +102,7 @@ def test_a_file_of_two_channels_is_no_component(folder):
     rows = [f"{0.01 * number:.2f} {value:.6f} {value:.6f}" for number, value in enumerate(pulse(300, 0.4))]
     (folder / "b.txt").write_text("\n".join(["time acc_N[g] acc_E[g]", *rows]))
     _, (row,) = read(folder)
-    assert "expected one channel, as [[records.pair]] north = " in row.reason
+    assert "expected one channel, because [[records.pair]] north = " in row.reason
 
 
 @pytest.mark.parametrize(

@@ -374,7 +374,7 @@ def test_columns_are_read_where_they_are_asked_for_only(tmp_path):
 def test_options_of_other_formats_are_ignored_and_logged(path, caplog):
     (trace,) = obspy.read(path, details=True, byteorder="<")
     assert trace.stats.npts == 300
-    assert "obspy.read has options that are not of this format: details, byteorder" in caplog.text
+    assert "obspy.read was given options that this format does not have: details, byteorder" in caplog.text
 
 
 def test_the_wrong_format_and_what_cannot_be_read_are_errors(path, tmp_path):

@@ -53,7 +53,7 @@ PEAKS = {
     "cosmos/NP8040-n.1000hyfh.HNE.01.V0c": 0.2453,
     "sac/20190706031952.CJ.T001230.HNE.sac": 0.043384 / STANDARD_GRAVITY,
 }
-#: The MANIFEST has 0.005 s, the interval of the raw record (real header 34); real header 62 says 0.01 s for the series,
+#: The MANIFEST has 0.005 s, the interval of the raw record (header value 34); value 62 says 0.01 s for the series,
 #: which with 7000 samples makes the 70 s that the text states.
 INTERVALS = {"cosmos/Cosmos12TimeSeriesTest2.v1": 0.01}
 #: The fourth channel is dead and is left out with a warning on the others.

@@ -153,7 +153,7 @@ def test_one_channel_cannot_serve_two():
     found, failures = pairs_of(horizontal(90.0, source="e"), *short)
     assert not found
     assert len(failures) == 3
-    assert "recorded together with it, but also with CCC.0.n2: which two are a pair?" in failures[1].reason
+    assert "recorded together with it, but also with CCC.0.n2: it is not clear which" in failures[1].reason
 
 
 def test_an_unknown_azimuth_is_told_and_parts_no_pair():

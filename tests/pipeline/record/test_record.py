@@ -78,8 +78,10 @@ def test_a_record_survives_pickling():
     one, other = (pickle.loads(pickle.dumps(full)) for _ in range(2))
     assert one.acceleration == pytest.approx([0.0, 1.0, -2.0])
     assert (one.start_time, one.warnings, one.magnitude, one.network) == (START, ("x",), 7.1, "CI")
-    # Thousands of records have one text and one NaN in common.
-    assert one.network is other.network
+    # Thousands of records have one text, one number and one NaN in common, but zeros keep their sign.
+    assert (one.network is other.network, one.magnitude is other.magnitude) == (True, True)
+    for zero in (0.0, -0.0):
+        assert math.copysign(1.0, pickle.loads(pickle.dumps(record(azimuth=zero))).azimuth) == math.copysign(1.0, zero)
     assert one.vs30 is other.azimuth is math.nan
     # A text from an array of numpy is taken as it is.
     of_array = Record(np.zeros(2), dt=0.01, id="a", event=np.array(["Friuli"])[0])

@@ -83,7 +83,7 @@ def test_channels_that_are_almost_parallel_are_refused(second):
 
 @pytest.mark.parametrize("other", [{"dt": 0.02}, {"acceleration": np.ones(999)}])
 def test_channels_with_other_samples_are_no_pair_to_rotate(other):
-    with pytest.raises(RecordRefused, match="expected the same samples in both"):
+    with pytest.raises(RecordRefused, match="expected the same sample times in both"):
         rotate(Pair(channel(noise(0), 90.0), replace(channel(noise(1), 0.0), **other)), 30.0)
     almost = channel(noise(1), 0.0, dt=DT * (1.0 + 1e-10))
     assert rotate(Pair(channel(noise(0), 90.0), almost), 30.0).dt == DT
@@ -153,7 +153,7 @@ def test_a_fraction_of_a_sample_is_bridged_along_the_line_between_the_samples(fr
     assert np.array_equal(first.acceleration, ramp[1:] if late else ramp[:-1])
     assert first.start_time == second.start_time == START + late * timedelta(seconds=DT)
     assert first.acceleration - second.acceleration == pytest.approx(0.01 * fraction, abs=1e-3 * 0.01)
-    assert any("linear between its samples" in note for note in second.processing) == (abs(fraction) < 0.99)
+    assert any("interpolated linearly" in note for note in second.processing) == (abs(fraction) < 0.99)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_one_shared_interval_is_no_overlap():
         return Pair(channel(noise(0), 90.0), channel(noise(1), 0.0, start_time=late))
 
     for samples, found in ((998.9, 1), (999, 1), (1000, 0), (1200, 0)):
-        with pytest.raises(RecordRefused, match=f"two samples or more in their common time, found {found}"):
+        with pytest.raises(RecordRefused, match=f"at least two samples in their common time, found {found}"):
             condition_pair(shifted(samples))
     assert condition_pair(shifted(998)).first.npts == 2
 

@@ -30,7 +30,7 @@ from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import survey_file
-from rockpulse.run.tasks import carry_out, read_options, tasks_of
+from rockpulse.run.tasks import carry_out, packed_tasks, read_options, tasks_of
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -71,6 +71,20 @@ def planned(paths, analysis):
     located, rows = gathered([survey_file(one, read_options(analysis.config)) for one in found], failures)
     plan = analysis.plan([one.record for one in located], rows)
     return tasks_of(plan.planned, located, analysis.config, analysis.name), plan
+
+
+def test_packed_tasks_are_the_tasks_in_less_memory(two_files):
+    analysis = Assessment(CHEAP)
+    found, failures = find_files(two_files)
+    located, rows = gathered([survey_file(one, read_options(CHEAP)) for one in found], failures)
+    motions = analysis.plan([one.record for one in located], rows).planned
+    tasks = tasks_of(motions, located, CHEAP, "assess")
+    packed = packed_tasks(motions, located, CHEAP, "assess")
+    assert (motions, located) == ([], [])
+    for one, task in zip(packed, tasks, strict=True):
+        assert (one.key, one.fingerprint, one.source) == (task.key, task.fingerprint, task.source)
+        assert pickle.dumps(pickle.loads(pickle.dumps(one)).task) == pickle.dumps(pickle.loads(pickle.dumps(task)))
+        assert len(one.content) < 0.4 * len(pickle.dumps(task))
 
 
 def function_of(analysis):

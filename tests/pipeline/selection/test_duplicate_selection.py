@@ -257,8 +257,8 @@ def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():
 
 def test_a_long_record_that_is_left_out_for_a_short_one_is_told_as_such():
     told = reason(channel(seconds=3600.0), channel(0.0, "b", processed=True, late=1000.0))
-    assert "3540 s of the 3600 s of this record are not in it" in told
-    assert "are not in it" not in reason(channel(), channel(0.0, "b", processed=True))
+    assert "3540 s of the 3600 s of this record are not in that one" in told
+    assert "are not in that" not in reason(channel(), channel(0.0, "b", processed=True))
 
 
 @pytest.mark.sweep

@@ -182,10 +182,10 @@ def test_a_record_of_a_file_that_was_not_read_is_a_row_else_an_error():
     events, (row,) = events_by_id(records, named, [unread])
     assert events == {"a": "mine", "b": UNKNOWN}
     assert (row.stage, row.kind) == ("events", "failed")
-    said = "[records] events names records that were not read: x; the records read are such as a, b: "
+    said = "[records] events names records that were not read: x; examples of the records that were read: a, b: "
     assert row.reason.startswith(said)
     _, (row,) = events_by_id(records, {f"x{number}": "e" for number in range(7)}, [unread])
-    assert "not read: x0, x1, x2, x3, x4 and 2 more; the records read" in row.reason
+    assert "not read: x0, x1, x2, x3, x4 and 2 more; examples of" in row.reason
     unlike = Failure("y.txt", "pair", "y.1: expected equal intervals", "failed")
     assert events_by_id(records, {"a": "mine", "y.1": "e"}, [unlike]) == ({"a": "mine", "b": UNKNOWN}, [])
     for kind in ("skipped", "duplicate"):

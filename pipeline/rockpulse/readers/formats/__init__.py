@@ -1,4 +1,4 @@
-"""The formats. Each module, found automatically, reads a family of files and defines a row `Format` for each."""
+"""The formats. Each module of this package is found automatically and defines one or more of them."""
 
 from dataclasses import replace
 from importlib import import_module

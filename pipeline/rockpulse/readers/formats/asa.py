@@ -1,7 +1,7 @@
 """Standard acceleration files of Mexico (ASA: Instituto de Ingeniería UNAM, CIRES, other members of the SMIS).
 
 A file has 109 lines ``KEY : value`` in any encoding, with values per channel as a list such as ``/V/N90E/N00E``, then
-numbers and directions of the channels, and rows of accelerations [gal] in fields of 10 characters without offset.
+numbers and directions of the channels, and rows of accelerations [gal], without offset, in fields of 10 characters.
 """
 
 import re
@@ -36,7 +36,7 @@ _LONGEST_HEADER = 300  # largest number of lines of the header
 
 
 class _Header:
-    """The header lines above the values."""
+    """The header of a file: its lines, and the entries ``KEY : value`` in them."""
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
@@ -94,12 +94,12 @@ def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
 
 
 def _consonants(text: str) -> str:
-    """Return the consonants and digits of a text, as accents and encodings change only its vowels."""
+    """Return the consonants and digits of a text, because accents and encodings affect only vowels."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
 def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not needed, as the format states everything."""
+    """Read every channel; `options` is not used, because the file states unit and interval."""
     lines = kit.text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
     unit_words, layout = header.text("UNIDADES DE LOS DATOS").partition("(")[0], header.text("FORMATO DATOS")
@@ -204,7 +204,7 @@ def _columns(
         place = slice(index * width, (index + 1) * width)
         fields = [line[place].ljust(width) for line in lines[first : first + count]]
         columns.append(kit.fixed_width(fields, first + 1, width, 1, count, name))
-    return columns, [f"channels of different lengths, {', '.join(map(str, counts))} samples (header)"]
+    return columns, [f"the channels have different lengths: {', '.join(map(str, counts))} samples (header)"]
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
@@ -231,7 +231,7 @@ def _facing(word: str) -> kit.Direction:
     facing = kit.direction(base)
     if sense in ("", "+"):
         return facing
-    note = f"the component {word!r} is taken as positive against {base}"
+    note = f"the component {word!r} is taken as positive in the direction opposite to {base}"
     if sense != "-":
         return replace(facing, note=f"the sense {sense!r} of the component is not known; the sign is that of the file")
     if facing.orientation == "vertical":

@@ -1,7 +1,7 @@
 """PEER AT2 files: a few header lines, then equally spaced accelerations in g.
 
-The database delivers the files with a list, ``_SearchResults.csv``, that names the files of each record. Its Rjb and
-Rrup are distances to the rupture, not to the epicentre, and are not used.
+The database delivers the files with a list, ``_SearchResults.csv``, that names the files of each record. The
+distances Rjb and Rrup in this list are not used, as they are measured to the rupture and not to the epicentre.
 """
 
 import csv
@@ -67,7 +67,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the last header line, which states the number of points and the interval, or None."""
+    """Return the index of the last header line, which states number of points and interval; None if there is none."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -77,7 +77,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line with the values of both number of points and interval; None without such a line."""
+    """Return the index of the header line that states number of points and interval; None if no line states both."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -194,11 +194,11 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
     if named.orientation == titled.orientation:
         return titled, []
     upright = named if named.orientation == "vertical" else titled
-    return upright, ["the title and the name of the file differ on whether this is a vertical channel; taken as one"]
+    return upright, ["only one of title and file name says that this is a vertical channel; it is used as vertical"]
 
 
 def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Return warnings about a scale factor, and about a different interval elsewhere in the header."""
+    """Return warnings about a stated scale factor, and about intervals other than `step`, stated in line `end`."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
@@ -272,7 +272,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     rows = sum(1 for line in block if line.strip())
     if row > 1 and rows == count:
         found = f"{rows} rows of {row}: columns, such as time and acceleration, instead of one series"
-        advice = "remove the lines above the numbers and read the file as columns, or keep the column of acceleration"
+        advice = "remove the lines above the numbers and read the file as columns, or keep the accelerations only"
         raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     if surplus > row:
         found, advice = str(values.size), "find out which is right and repair the header"
@@ -300,7 +300,7 @@ def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[s
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)
     except (RockpulseError, OSError) as fault:
-        return _UNLISTED, [f"{_LIST} beside the file cannot be read, magnitude and Vs30 stay unknown: {fault}"]
+        return _UNLISTED, [f"{_LIST} in the same folder cannot be read, magnitude and Vs30 are unknown: {fault}"]
     return rows.get(file.path.name.lower(), _UNLISTED), []
 
 

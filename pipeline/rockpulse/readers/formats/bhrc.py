@@ -1,7 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
 Channels are as in `kit.csmip_layout`, with accelerations in g/10 in rows of 10 fields of 13 characters. The line of the
-station contains the azimuths of L and T. The time is the origin time of the earthquake.
+station contains the azimuths of L and T. The time in the header is the origin time.
 """
 
 import re
@@ -28,7 +28,7 @@ _SQUARE = 3.0  # largest deviation of L and T from a right angle [degrees]
 
 
 def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not needed, as the format states everything."""
+    """Read every channel; `options` is not used, because the file states unit and interval."""
     lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
     starts = (start for start, _ in spans)
@@ -53,7 +53,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
     duration = kit.matched(_DURATION, header[10])
     if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
-        expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
+        expected = f"a sampling rate that gives {count} points in {duration or 'an unknown number of'} s"
         raise kit.unexpected(f"{file.name}:{start + 22}", expected, f"{rate:g}")
     samples, notes = kit.fixed_block(file.name, lines, (first, end), _WIDTH, _PER_ROW, count)
     component = kit.matched(_COMPONENT, header[6]).upper()
@@ -62,7 +62,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
         raise kit.unexpected(where, expected, repr(header[6].strip()))
     origin, letter = kit.matched(_ORIGIN, header[2]), header[4].strip().upper()
     if letter in ("L", "V", "T") and letter != component:
-        notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
+        notes = (f"the header names both {letter} and {component} as the component; one of them is wrong", *notes)
     azimuth, facing = re.search(_AZIMUTH.format(component), header[7], re.IGNORECASE), kit.direction(component)
     if component != "V" and azimuth and float(azimuth[1]) <= 360.0:
         facing = kit.Direction("horizontal", float(azimuth[1]) % 360.0)

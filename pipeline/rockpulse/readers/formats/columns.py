@@ -1,4 +1,4 @@
-"""Plain columns of numbers (CSV, TXT), with or without times; nothing is guessed, and contradictions are errors."""
+"""Plain columns of numbers (CSV, TXT), with or without times; unit and interval are never guessed."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -16,7 +16,7 @@ from rockpulse.readers.parts import with_slopes
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # number of rows that are checked to recognise a table
-#: Largest number of columns without headings that are read as one station, without and with a column of times.
+#: Largest number of columns without headings that are read beside times, and that may be channels of one station.
 _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
@@ -24,7 +24,7 @@ _INTEGRAL = 0.95  # correlation above which a column is the integral of the prev
 #: Patterns of decimal numbers that touch: a number before the sign of the next number, and a row without signs.
 _TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
 _INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
-#: Words in messages for the properties that a series wrapped into rows needs.
+#: Words in messages for the properties that must be known of a series wrapped into rows.
 _TOO = {"units": "the unit too (option units, --units)", "dt": "the interval too (option dt, --dt)"}
 #: Names of the columns of a station in an example.
 _NAMES = ("acc_NS", "acc_EW", "acc_UD")
@@ -159,7 +159,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 
 def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
-    """Return the lines, with touching numbers separated and times as seconds, and the UTC time of the first row."""
+    """Return the lines (touching numbers separated, clock times as seconds), and the UTC time of the first row."""
     return kit.without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
@@ -246,7 +246,10 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: kit.Layout, complete: bool) -> tuple[str, ...]:
-    """Return a warning about lines after the numbers; raise an error if the lines may contain more samples."""
+    """Return a warning about lines after the numbers; raise an error if they may contain more samples.
+
+    If `complete` is true, the numbers before them are as many as the header states, and no error is raised.
+    """
     rows = [kit.row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
@@ -271,8 +274,8 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
     """Return the values of all rows as one series; `end` contains the last row, and `guessed` adds a warning."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
-        f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
-        "from row to row; nothing in the file says so"
+        f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values "
+        "continue smoothly from row to row; nothing in the file says so"
     )
     return _Columns(series[:, None], (), (*columns.warnings, note) if guessed else columns.warnings)
 
@@ -285,16 +288,17 @@ def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
 
 
 def _wrapped(where: str, width: int, found: str, lacking: Sequence[Remedy]) -> RecordFormatError:
-    series = "The values do not run on from row to row as those of one series do"
+    series = "The values do not continue smoothly from row to row, as those of one series do"
     if width <= _NO_STATION and "last row" not in found:
         series = f"Rows of up to {_NO_STATION} numbers are not read as one series: they may be channels of a station"
         lacking = ()
     elif lacking:
-        series = f"Give {' and '.join(_TOO[one.key] for one in lacking)}: then one series is read if its values run on"
+        given = " and ".join(_TOO[one.key] for one in lacking)
+        series = f"Give {given}: then they are read as one series if the values continue smoothly from row to row"
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
-        f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
-        f"header (NPTS = ...), or {_name_them(width, False)}",
+        f"or one series in rows of {width}. {series}. Otherwise, write one value to a line, state the number of values "
+        f"in the header (NPTS = ...), or {_name_them(width, False)}",
         *lacking,
     )
 
@@ -320,13 +324,13 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
         with np.errstate(all="ignore"):
             alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
         if alike > _INTEGRAL:
-            found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
+            found = f"that column {before + 3} is the integral of column {before + 2}, as velocity is of acceleration"
             advice = _name_them(width + 1, True, ("acc", "vel", "disp"))
             raise kit.unexpected(where, "accelerations in all columns", found, advice)
 
 
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """Return the columns of accelerations by headings, header text or file name; raise an error if there are none."""
+    """Return the columns that are accelerations by headings, header text or file name; raise an error if none is."""
     name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (kit.ColumnHeading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
@@ -343,18 +347,18 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
         if "acceleration" not in said and "spectrum" not in said:
             found = f"the header mentions {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
-        expected, found = "to know which columns are accelerations", f"a header that mentions {listed}"
+        expected, found = "a statement of which columns are accelerations", f"a header that mentions {listed}"
         raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
     by_name = kit.kind_of_name(file)
     if by_name not in ("", "acceleration"):
         if not said and not any(headings[index].kind for index in kept):
             raise kit.other_kind(name, by_name)
         if not all(headings[index].kind for index in kept):
-            found = f"a header that mentions acceleration under a name that says {by_name}"
+            found = f"acceleration in the header and {by_name} in the file name"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
-        note = f"the name of the file says {by_name}, the headings acceleration; check which is right"
+        note = f"the name of the file says {by_name}, the headings say acceleration; check which is right"
         columns = replace(columns, warnings=(*columns.warnings, note))
-    return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
+    return columns.picked(kept, f"columns left out because they are no accelerations: {left}") if left else columns
 
 
 def _sizes(columns: _Columns) -> list[int]:

@@ -25,7 +25,7 @@ _GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
 #: Pattern of network and number of the earthquake before the channel codes: RcrdId: US.1000hyfh.NP.8040.HNE.01
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
-#: Units that only this format has [m/s2].
+#: Size of each unit of this format, of which some occur in no other [m/s2].
 _UNITS = kit.UNITS | {
     "in/s2": 0.0254,
     "mg": 1e-3 * kit.STANDARD_GRAVITY,
@@ -39,9 +39,9 @@ _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration
 #: Values of integer 19 for stations whose sensors may be at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 _CLOSING = 3  # blank lines may follow the closing line
-#: Relative tolerance of sensitivities: calibrated values deviate by some percent, wrong factors are 2 or more.
+#: Relative tolerance of sensitivities: calibrated values deviate by some percent, wrong ones by a factor of 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
-_LEAST_FACTOR = 1e-9  # smallest possible factor of a gain, in any unit
+_LEAST_FACTOR = 1e-9  # smallest possible value of a factor of the gain, in any unit
 _VELOCITY_SENSORS = range(1001, 2000)
 
 
@@ -82,7 +82,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
     code = header.integer(2)
     where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        conflict = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
+        conflict = f"the title says {header.kind!r}, integer 2 of the header says {code}, {_OTHER_QUANTITIES[code]}"
         raise RecordFormatError(f"{where}: {conflict}; find out which is right and repair the header")
     if "accel" not in kind:
         raise kit.no_acceleration(where, "acceleration", repr(header.kind))
@@ -104,9 +104,9 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
         factor = _UNITS[unit]
         missing = np.flatnonzero(samples == header.unknown)
         if missing.size:
-            which = f"the first number {missing[0] + 1}, are {header.unknown:g}, which stands for unknown"
-            found = f"{missing.size} of {samples.size} samples, {which}"
-            raise RecordRefused(f"{where}: {found}; cut the record there or get a whole one")
+            which = f"the first is sample {missing[0] + 1}) are {header.unknown:g}, which means unknown"
+            found = f"{missing.size} of {samples.size} samples ({which}"
+            raise RecordRefused(f"{where}: {found}; end the record before this sample, or get a complete one")
     network, station, location, seed = header.codes()
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
@@ -149,7 +149,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
 
 
 def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: int) -> _Series:
-    """Return the heading of the channel's acceleration."""
+    """Return the heading of the acceleration of a channel; raise an error if there is none, or a second one."""
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):
@@ -169,7 +169,7 @@ def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: in
     if linear:
         blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
-            where, other = f"{name}:{blocks[1][0] + 1}", f"another than that of line {blocks[0][0] + 1}"
+            where, other = f"{name}:{blocks[1][0] + 1}", f"a second one after that of line {blocks[0][0] + 1}"
             raise kit.unexpected(where, "one series of acceleration in the channel", other, kit.FILE_DAMAGED)
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
@@ -186,7 +186,7 @@ def _unit(series: _Series, where: str) -> str:
     coded = _CODES.get(series.code)
     if coded is None or (named and (_UNITS[named] != _UNITS[coded] or (named == "counts") != (coded == "counts"))):
         known = ", ".join(f"{unit} ({code:02d})" for code, unit in _CODES.items())
-        found = f"the unit is named {series.unit!r} and coded {series.code}, expected one of {known}"
+        found = f"the unit has the name {series.unit!r} and the code {series.code}, expected one of {known}"
         raise UnitError(f"{where}: {found}; find out which is right and repair the line")
     return named or coded
 
@@ -203,8 +203,8 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
     if gap <= max(1.01 * rounding, kit.PEAK_TOLERANCE * abs(coded)):
         return (coded, 0.0), []
     said, real = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
-    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {real:.4g} g (real 64)"]
-    return (value, rounding), notes
+    both = f"the header states peaks of {said:.4g} g (text) and {real:.4g} g (floating-point value 64)"
+    return (value, rounding), [] if np.isnan(coded) else [both]
 
 
 def _per_count(header: CosmosHeader, where: str) -> float:
@@ -215,18 +215,20 @@ def _per_count(header: CosmosHeader, where: str) -> float:
     programs differ in whether the gain is part of r42.
     """
     if header.integer(52) in _VELOCITY_SENSORS:
-        raise kit.NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
+        sensor = f"integer 52 of the header is {header.integer(52)}"
+        raise kit.NotAcceleration(f"{where}: counts of a velocity sensor ({sensor})")
     missing = [f"{number} ({what})" for number, what in _FACTORS.items() if not header.real(number) >= _LEAST_FACTOR]
     advice = "read the V1 or V2 file of the record, or fill in the header"
     if missing:
-        raise RecordRefused(f"{where}: counts without a gain: the header lacks real {', '.join(missing)}; {advice}")
+        lacking = f"the header lacks floating-point value {', '.join(missing)}"
+        raise RecordRefused(f"{where}: counts without a gain: {lacking}; {advice}")
     gain = header.real(47)
     sensitivity = header.real(42) * gain
     nominal = header.real(43) / header.real(44) if header.real(44) > 0.0 else float("nan")
     if (gain != 1.0 or np.isfinite(nominal)) and not abs(nominal - sensitivity) <= _SENSITIVITY_TOLERANCE * sensitivity:
         raise RecordRefused(
-            f"{where}: counts with a doubtful gain: sensitivity x gain (reals 42, 47) is {sensitivity:g} V/g, range "
-            f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
+            f"{where}: counts with a doubtful gain: sensitivity x gain (floating-point header values 42, 47) is "
+            f"{sensitivity:g} V/g, output and range of the sensor (values 43, 44) give {nominal:g} V/g; {advice}"
         )
     return 1e-6 * header.real(22) / sensitivity * kit.STANDARD_GRAVITY
 
@@ -237,7 +239,8 @@ def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"
     if not stated:
-        raise kit.unexpected(where, "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none")
+        expected = "a sampling interval above 0 (floating-point value 34 [s] or 62 [ms] of the header)"
+        raise kit.unexpected(where, expected, "none")
     # Some agencies count the steps between the samples, others the samples.
     fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
     if max(stated) - min(stated) <= 1e-3 * max(stated):
@@ -247,11 +250,12 @@ def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[
         return stated[0], [f"the header states {length:g} s, {lasting}"]
     if len(fitting) != 1:
         raise RecordFormatError(
-            f"{where}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
-            f"length, real 63, {length:g} s for {count} samples, does not decide between them; find out which is right"
+            f"{where}: floating-point values 34 and 62 of the header state sampling intervals of {raw:g} and "
+            f"{series:g} s, and the length of {length:g} s (value 63) for {count} samples does not decide between "
+            "them; find out which is right"
         )
-    both = f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series)"
-    return fitting[0], [f"{both}; {fitting[0]:g} s is that of the stated length of {length:g} s"]
+    both = f"the header states intervals of {raw:g} s (raw record) and {series:g} s (series; values 34 and 62)"
+    return fitting[0], [f"{both}; {fitting[0]:g} s is used, which fits the stated length of {length:g} s"]
 
 
 COSMOS = Format(

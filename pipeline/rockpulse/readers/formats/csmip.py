@@ -3,11 +3,11 @@
 Volume 1, uncorrected: channels as in `kit.csmip_layout`, then a heading and the accelerations; older files have no
 heading, but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each
 channel is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings
-also name the Fortran format, and headings of USC have no unit. Volume 3, spectra, is rejected with a clear message.
+also name the Fortran format, and headings of USC have no unit. Volume 3 (spectra) is rejected.
 
-Files of RENADIC (Universidad de Chile) are volumes 1 of pairs. Recorders with four channels have one without a sensor,
-which contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin times are from
-the clocks of the instruments, some of which were never set.
+Files of RENADIC (Universidad de Chile) are of volume 1, with pairs. Recorders with four channels have one without a
+sensor: its channel contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin
+times are from the clocks of the instruments, some of which were never set.
 """
 
 import re
@@ -56,7 +56,7 @@ _SPECTRA_OPENING = 4000  # number of bytes at the start of a file in which spect
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
-    """Return whether a file is uncorrected, and from RENADIC if `renadic` is true, else from another network."""
+    """Return whether a file is an uncorrected file of RENADIC or, if `renadic` is false, of another network."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
@@ -174,7 +174,7 @@ def read_corrected(
 
 
 def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[layout.SeriesHeading, int]:
-    """Return the heading of the acceleration (else of the first series), and the index of the line after the series."""
+    """Return the heading of the acceleration, or else of the first series, and the index of the line after it."""
     found: list[layout.SeriesHeading] = []
     for at in range(start + _ALL_TEXT, end):
         heading = layout.heading_at(lines, at)
@@ -230,7 +230,8 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Chann
     notes += layout.held_peak_real(behind, 66, block, kit.UNITS["cm/s2"])
     step, rounding = kit.printed_number(layout.real_header_value(behind, 61))
     if abs(step - block.dt) > 1.01 * rounding:
-        notes.append(f"real 61 of the header states an interval of {step:g} s, the heading {block.dt:g} s")
+        value = f"floating-point value 61 of the header states an interval of {step:g} s"
+        notes.append(f"{value}, the heading states {block.dt:g} s")
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 

@@ -36,7 +36,7 @@ _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
 #: Largest number of lines that are searched for the header (16 lines and blank lines), and for the origin time.
 _LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
-_CUT_OFF = 0.5  # durations are printed in whole seconds, which may be cut off rather than rounded [s]
+_CUT_OFF = 0.5  # tolerance of durations [s], which are printed in whole seconds and may be truncated instead of rounded
 
 
 def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -114,10 +114,10 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
     named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
-        return word, kit.direction(word), ["the component is that of the file name"] if word else []
+        return word, kit.direction(word), ["the component is taken from the file name"] if word else []
     facing = kit.direction(word)
     if named and kit.contradictory(kit.direction(named[1]), facing):
-        note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
+        note = f"the header says {word}, the file name says {named[1].upper()}: the direction is unknown"
         facing = kit.Direction(note=kit.doubted_direction(kit.direction(named[1]), facing, note))
     return word, facing, []
 

@@ -24,7 +24,7 @@ _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 
 def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not needed, as the format states everything."""
+    """Read every channel; `options` is not used, because the file states unit and interval."""
     lines = kit.text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
     header = kit.Entries(file.name)
@@ -51,7 +51,7 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if not even:
         expected = table[0, 0] + np.arange(rows) / rate
         row = int(np.argmax(np.abs(table[:, 0] - expected) > 0.1 / rate))
-        should, found = f"{expected[row]:g} s ({rate:g} samples per s, header)", f"{table[row, 0]:g} s"
+        should, found = f"the time {expected[row]:g} s ({rate:g} samples per s, header)", f"{table[row, 0]:g} s"
         advice = "rows are missing or the rate is wrong: download the file again"
         raise kit.unexpected(f"{file.name}:{first + row + 1}", should, found, advice)
     start_time, notes = _start_time(header, float(table[0, 0]))
@@ -93,7 +93,7 @@ def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
 
 
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample, and warnings; `first` is the sample's time in the column [s]."""
+    """Return the UTC time of the first sample, and warnings; `first` is its time in the time column [s]."""
     entry = header["starttime"]
     if not entry.text:
         return None, []

@@ -170,7 +170,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
             if key in _DECISIVE:
                 advice = "find out which is right and remove the other line"
                 raise kit.unexpected(f"{name}:{line}", f"one value of {key}", both, advice)
-            notes.append(f"line {line}: the header states {key} as {both}; the first counts")
+            notes.append(f"line {line}: the header states {key} as {both}; the first value is used")
     return header, notes
 
 
@@ -190,7 +190,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Return whether the record is corrected, the words of the header on the processing, and warnings."""
+    """Return whether the record is corrected (None: unknown), the processing that the header states, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -221,7 +221,7 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
         if header.text(key) and not _DECIMAL.fullmatch(header.text(key))
     ]
     if header.text("LATE/NORMAL_TRIGGERED").upper().startswith("L"):
-        notes.append("late triggered (header): the beginning of the motion is missing")
+        notes.append("triggered late (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
         notes.append("the baseline was not removed (header)")
     notes += kit.held_length(header.text("DURATION_S"), count, step)
@@ -229,10 +229,10 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 
 def _facing(stream: str, stem: str) -> kit.Direction:
-    """Return the direction of the channel; unknown, with a note, if header and file name contradict each other."""
+    """Return the direction of the channel; unknown, with a warning, if header and file name disagree."""
     named = _NAMED.search(stem)
     word = (named[1] or named[2]) if named else ""
-    note = f"the header says {stream}, the file name {word}: the direction is unknown"
+    note = f"the header says {stream}, the file name says {word}: the direction is unknown"
     return kit.held_direction(kit.direction(stream), kit.direction(word), note)
 
 
@@ -249,7 +249,7 @@ def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | No
 
 
 def _moment(text: str) -> datetime | None:
-    """Return the UTC time from one of three styles, such as 20190728_160919.870; None for other text."""
+    """Return the UTC time from a text in one of three styles, such as 20190728_160919.870; None for other text."""
     date, _, time = re.sub(r"[\s_T]+", " ", text.strip()).partition(" ")
     clock, forward, backward = _TIME.fullmatch(time), _YEAR_FIRST.fullmatch(date), _YEAR_LAST.fullmatch(date)
     day = forward.group(1, 3, 4) if forward else backward.group(4, 3, 1) if backward else None
@@ -261,7 +261,7 @@ def _moment(text: str) -> datetime | None:
 DYNA = Format(
     name="dyna",
     what="DYNA 1.x (ESM, ITACA, AFAD)",
-    recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
+    recognised="a line 'EVENT_NAME:' and other keys of the format, at the top or below other lines",
     unit="cm/s2, from the header",
     processed="by type",
     example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",

@@ -1,7 +1,8 @@
 """GeoNet volume 1 and 2 files of New Zealand (V1A uncorrected, V2A corrected).
 
-Each component has 16 lines of text, 40 integers (10I8), 60 reals (10F8) and the accelerations [mm/s2] (10F8), in a V2A
-file followed by velocities and displacements. Layout: https://www.geonet.org.nz/data/types/strong_motion
+Each component has 16 lines of text, 40 integers (10I8), 60 floating-point values (10F8) and the accelerations [mm/s2]
+(10F8), in a V2A file followed by velocities and displacements. Layout:
+https://www.geonet.org.nz/data/types/strong_motion
 """
 
 import re
@@ -30,7 +31,7 @@ _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORE
 
 
 def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the accelerations of every component; the options are not needed, as the format states everything."""
+    """Read the accelerations of every component; `options` is not used, because the file states unit and interval."""
     lines = kit.text_lines(file.content)
     components: dict[kit.Span, kit.Record] = {}
     notes: list[str] = []
@@ -78,7 +79,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     step, interval = float(reals[5]), _STEP.search(text[10])
     stated, rounding = kit.printed_number(interval[1] if interval else "")
     if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
-        expected = f"an interval of {step:g} s (real 26 of the header)"
+        expected = f"an interval of {step:g} s (floating-point value 26 of the header)"
         raise kit.unexpected(f"{file.name}:{start + 11}", expected, repr(text[10].strip()))
     notes += (*surplus, *kit.held_length(kit.matched(_DURATION, text[9]), count, step))
     notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), step * np.arange(count) - reals[1], samples)
@@ -117,7 +118,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
 
 
 def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int, int]:
-    """Return the numbers of accelerations and of rows in all blocks; raise an error if text and integers differ."""
+    """Return the number of accelerations and of rows in all series; raise an error if text and integers differ."""
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:

@@ -1,4 +1,4 @@
-"""Acceleration files of the Japan Meteorological Agency (CSV): seven lines of a header, then NS, EW, UD in gal.
+"""Acceleration files of the Japan Meteorological Agency (CSV): seven header lines, then NS, EW, UD in gal.
 
 Times are in Japan Standard Time (UTC+9). The station name is encoded in Shift-JIS.
 """
@@ -21,13 +21,14 @@ _COMPONENTS = {"NS": "N", "EW": "E", "UD": "Z"}
 
 
 def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the three components; the options are not needed, as the format states everything."""
+    """Read the three components; `options` is not used, because the file states unit and interval."""
     lines = kit.text_lines(file.content)
     entries, first = _header(file.name, lines)
     stated, _, aside = entries.text("UNIT").partition("(")
     unit = kit.canonical_unit(stated, entries.where("UNIT"))
     if aside and kit.UNITS[kit.canonical_unit(aside.strip(" )"), entries.where("UNIT"))] != kit.UNITS[unit]:
-        raise UnitError(f"{entries.where('UNIT')}: states two units, {entries.text('UNIT')!r}; correct the wrong one")
+        two = f"the entry states two units, {entries.text('UNIT')!r}"
+        raise UnitError(f"{entries.where('UNIT')}: {two}; correct the wrong one")
     rate = _RATE.fullmatch(entries.text("SAMPLING RATE"))
     if not rate or not float(rate[1]) > 0.0:
         found = repr(entries.text("SAMPLING RATE"))

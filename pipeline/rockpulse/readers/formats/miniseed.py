@@ -28,7 +28,7 @@ def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder, or from full SEED."""
     if file.head[6:7] == b"V":
         if not _DATA.search(file.content):
-            raise NoRecord(f"{file.name}: dataless SEED, the metadata of stations without samples")
+            raise NoRecord(f"{file.name}: dataless SEED, which contains metadata of stations but no samples")
         stations = [(file.name, file.content)]
         file = replace(file, station_files=lambda: stations, chosen=True)
     stream, notes = bridge.obspy_stream(file, "MSEED")
@@ -79,7 +79,7 @@ def _held_rate(rate: float, channel: Any) -> list[str]:
     stated = rate if channel.sample_rate is None else float(channel.sample_rate)
     if abs(stated - rate) <= _RATE_TOLERANCE * rate:
         return []
-    return [f"the StationXML states {stated:g} samples per s, the data {rate:g}; the interval is that of the data"]
+    return [f"the StationXML states {stated:g} samples per s, the data have {rate:g}; the interval of the data is used"]
 
 
 MINISEED = Format(

@@ -23,7 +23,7 @@ _LONGEST_HEADER = 60  # largest number of lines of the header
 
 
 def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the three channels; the options are not needed, as the format states everything."""
+    """Read the three channels; `options` is not used, because the file states unit and interval."""
     lines = kit.text_lines(file.content)
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
@@ -83,7 +83,7 @@ def _number(header: kit.Entries, key: str) -> float:
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
-    """Return the UTC time and an empty text, or None and the name of another time zone."""
+    """Return the UTC time and an empty text; for a time in another zone, None and the name of the zone."""
     match = _YEAR_FIRST.match(text) or _DAY_FIRST.match(text)
     if not match:
         return None, ""

@@ -130,7 +130,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
-    """Return whether the record is corrected, and the words of the file on the processing."""
+    """Return whether the record is corrected (None: unknown), and the processing that the file states."""
     words, said = header.text("processing info"), header.text("filter cut-off frequency")
     corners = _CORNERS.fullmatch(said)
     notes = [f"file: {' '.join(words.split())}"] if words else []

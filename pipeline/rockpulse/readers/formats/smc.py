@@ -1,7 +1,7 @@
 """SMC files of the USGS National Strong-Motion Project.
 
-11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines that begin with ``|``, then the values in cm/s2,
-8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+Text (11 lines), 48 integers (8I10), 50 floating-point values (5E15.7), comment lines that begin with ``|``, then the
+accelerations in cm/s2, 8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
 import re
@@ -77,7 +77,7 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         free = _FREE_FIELD_AT.get(int(integers[18]))
         structural = free is None or integers[free - 1] != 0.0
     if integers[17] > 0.0:
-        notes.append("the agency flags a problem of this record (integer 18 of the header)")
+        notes.append("the agency flags a problem with this record (integer 18 of the header)")
     return [
         kit.build_record(
             file,
@@ -114,7 +114,7 @@ def _block(
     rate = reals[1]
     pairs = raw and np.isnan(rate)
     if not pairs and not 0.0 < rate <= _RATE_LIMIT:
-        expected = f"a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s"
+        expected = f"a sampling rate (floating-point value 2 of the header) above 0 and at most {_RATE_LIMIT:g} per s"
         raise kit.unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
     values, warnings = kit.fixed_block(name, lines, (first, len(lines)), 10, 8, count, _TITLE)
     if not pairs:
@@ -129,7 +129,7 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if floating-point values 29-32 (maximum, minimum and their times) contradict the samples."""
+    """Return warnings if header values 29 to 32 (maximum, minimum and their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # the fields were not filled in
         return notes
@@ -137,13 +137,13 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
         stated, found = reals[number], sign * float(np.max(sign * block.values))
         if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # false for NaN, a value that is not stated
             value = f"{stated:g} cm/s2 as the {what} value"
-            notes.append(f"real {number + 1} of the header states {value}, the samples have {found:g}")
+            notes.append(f"floating-point value {number + 1} of the header states {value}, the samples have {found:g}")
         notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """Return the direction from `component`, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
+    """Return the direction from the component and header integers 13 (angle from the vertical) and 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
     coded = kit.Direction()
     if upright in (0.0, 180.0):
@@ -151,12 +151,12 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
     elif 0.0 <= azimuth <= 360.0:
         coded = kit.Direction("horizontal", float(azimuth) % 360.0)
     integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
-    note = f"the text says {component!r}, integers 13 and 14 of the header {integers_say}: the direction is unknown"
+    note = f"the text says {component!r}, integers 13 and 14 of the header say {integers_say}: the direction is unknown"
     return kit.held_direction(kit.direction(component), coded, note)
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample and warnings; None if it is too far from the earthquake."""
+    """Return the UTC time of the first sample (None if it is too far from the earthquake), and warnings."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []

@@ -1,7 +1,8 @@
 """Files (volumes 1 and 2) of the University of Southern California, and earlier of Caltech, in the layout of CSMIP.
 
 Volume 1 contains pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 contains
-corrected acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
+corrected acceleration [cm/s2], then velocity and displacement. The time in the header is the minute of the
+earthquake.
 """
 
 import re
@@ -18,7 +19,7 @@ from rockpulse.readers.kit.csmip_layout import HEADER_LINES, TEXT_LINES, channel
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
-_WORDS = 72  # words end here; the number of a punched card follows
+_WORDS = 72  # number of characters of the text; the number of a punched card follows
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
 #: Pattern of the minute of the earthquake in Greenwich time: OCT 01, 1987 -1442 GMT.
 _MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")
@@ -38,7 +39,7 @@ _MEAN_SQUARE_FACTOR = 1.2
 
 
 def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not needed, as the format states everything."""
+    """Read every channel; `options` is not used, because the file states unit and interval."""
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
@@ -68,7 +69,7 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
     said, has = stated / kit.UNITS["g"], found / kit.UNITS["g"]
     return [
         *notes,
-        f"the header states {said:.3g} g as the root of the mean square, the samples have {has:.3g} g; check the unit",
+        f"the header states {said:.3g} g as the root mean square, the samples have {has:.3g} g; check the unit",
     ]
 
 

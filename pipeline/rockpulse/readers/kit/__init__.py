@@ -1,4 +1,4 @@
-"""Helpers for the readers of formats, which use them as `kit.NAME`; CONTRIBUTING.md lists those of most formats."""
+"""Helpers for the readers of formats, which use them as `kit.NAME`; CONTRIBUTING.md lists the most frequent ones."""
 
 # ruff: noqa: F401, F403 - the formats use these names
 

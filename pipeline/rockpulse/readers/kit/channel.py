@@ -167,7 +167,7 @@ def build_record(
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """Return the records of the usable channels, with `notes` and a warning about each unusable channel."""
+    """Return the records of the channels that can be used, with `notes` and a warning about every other channel."""
     records: list[Record] = []
     refusals: list[RecordRefused] = []
     for read_channel in channels:

@@ -12,11 +12,11 @@ from rockpulse.warning_text import WarningText
 
 #: Tolerance of a stated length [steps], which may count the samples or the steps between them.
 LENGTH_STEPS = 2.0
-#: Ratio of the stated length to the length of the samples from which interval or number of samples is in doubt.
+#: Ratio of the stated length to that of the samples, or its inverse, above which interval or count may be wrong.
 LENGTH_RATIO = 1.5
 #: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
-_TURN = 1.0  # largest difference of two stated values of one azimuth [degrees]
+_TURN = 1.0  # largest difference between two stated values of the same azimuth [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
 _LONGEST_LINE = 400  # number of characters of a line that are searched for a title
@@ -25,7 +25,7 @@ Span = tuple[int, int]
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """Return a warning if `count` samples at `dt` contradict the length `text` [s]; `spare` [s] is extra tolerance."""
+    """Return a warning if the stated length `text` [s] contradicts `count` samples at `dt`; `spare` adds tolerance."""
     if not _NUMBER.fullmatch(text):
         return []
     stated, rounding = printed_number(text)
@@ -46,16 +46,16 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
     if np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
         return []
     found = f"at the interval of {step:g} s the samples have it at {float(times[np.argmax(np.abs(values))]):g} s"
-    return [f"the header states the peak at {stated:g} s, {found}"]
+    return [f"the header states the peak at {stated:g} s, but {found}"]
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
-    """Return a warning if the stated units differ; `stated` contains pairs of a name and a key of `UNITS`."""
+    """Return a warning if the stated units differ; `stated` contains names, each with a key of `UNITS`."""
     stated = list(stated)
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
     listed = ", ".join(f"{unit} ({name})" for name, unit in stated)
-    return [f"the units of one file differ: {listed}; one of them is wrong, and so is the peak stated with it"]
+    return [f"the units of one file differ: {listed}; one of them is wrong, and so is the peak stated in it"]
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
@@ -74,7 +74,7 @@ def contradictory(said: Direction, other: Direction) -> bool:
 
 
 def doubted_direction(said: Direction, other: Direction, note: str) -> str:
-    """Return warning `note` about two different directions; if only one is vertical, the record must be confirmed."""
+    """Return `note`, a warning on two contradictory directions; if one is vertical, the record must be confirmed."""
     one_vertical = {said.orientation, other.orientation} == {"vertical", "horizontal"}
     return WarningText("may_be_vertical", stated=note, decides=True) if one_vertical else note
 
@@ -91,7 +91,11 @@ def held_direction(said: Direction, other: Direction, note: str) -> Direction:
 def surplus(
     lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """Return warnings about numbers beyond the declared count; raise an error if a line like `title` follows."""
+    """Return warnings about numbers that follow the declared ones; raise an error if another record follows.
+
+    The numbers after the declared ones are in ``lines[first:end]`` and, in the line before them, beyond the first
+    `used` characters (if it is not 0). Another record begins with a line that matches `title`.
+    """
     notes = []
     if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
@@ -112,7 +116,7 @@ def fixed_block(
     count: int,
     title: re.Pattern[str] | None = None,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the first `count` numbers, in fields of equal width, of the lines `span`, and warnings about the rest."""
+    """Return the first `count` numbers, in fields of equal width, of the lines `span`; and warnings about the rest."""
     first, end = span
     samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
     return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))
@@ -162,7 +166,10 @@ class Counted(NamedTuple):
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """Return a warning for each recorder with missing channels; raise an error if a channel occurs twice."""
+    """Return a warning for each recorder with missing channels; raise an error if a channel occurs twice.
+
+    The warning begins with the words `whose`. A single channel in a file with an end mark (`closed`) gives no warning.
+    """
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}
     counted: dict[str, int] = {}

@@ -24,10 +24,8 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
     """Return the direction of each column from its heading; for a single column also from header text and file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
-        for stated, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
-            note = (
-                f"the {whose} states another direction, {stated.label}, than {found[0].label} elsewhere; it is unknown"
-            )
+        for stated, whose in ((stated_direction(prose), "header text"), (name_direction(file), "name of the file")):
+            note = f"the {whose} says {stated.label}, another statement says {found[0].label}; the direction is unknown"
             upright = "vertical" in (stated.orientation, found[0].orientation)
             found = [held_direction(found[0], stated, note)]
             if upright and found[0].orientation == "unknown":
@@ -84,7 +82,8 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
         stated = canonical_unit(heading.unit, where) if heading.unit else None
         for further in heading.others:
             if stated and UNITS.get(spelled_unit(further)) != UNITS[stated]:
-                raise UnitError(f"{where}: states two units, {heading.unit} and {further}; correct the wrong one")
+                two = f"the heading states two units, {heading.unit} and {further}"
+                raise UnitError(f"{where}: {two}; correct the wrong one")
         for unit, line in named:
             wrong = stated or named[0][0]
             if UNITS[unit] != UNITS[wrong] and (stated or not asked):
@@ -98,7 +97,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
             lacking = f"{name}: plain columns do not state their unit{found}; {GIVE_UNIT.advice(name)}"
             raise UnitError(lacking, GIVE_UNIT)
         if stated and asked and UNITS[stated] != UNITS[asked]:
-            raise against(f"{name}: the column {heading.name!r} is headed {stated}", stated)
+            raise against(f"{name}: the heading of column {heading.name!r} states {stated}", stated)
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
             raise against(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}", said[0][0])
         units.append(asked or stated or "")

@@ -1,4 +1,4 @@
-"""Reads the header of one channel of a COSMOS file: text lines, integers, reals and comments."""
+"""Reads the header of one channel of a COSMOS file: text lines, integers, floating-point values and comments."""
 
 import re
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ _LENGTH_SHARE = 5e-3  # largest relative error of a stated length
 _ORIENTATIONS = {
     400: Direction("vertical"),
     401: Direction("vertical", sign=-1.0),
-    402: Direction("vertical", note="integer header 54 does not tell whether upwards is positive"),
+    402: Direction("vertical", note="integer 54 of the header does not tell whether upwards is positive"),
     **{code: Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
 }
 #: Values of integer 19 for shelters, free fields, vaults, observatories, and arrays in the ground.
@@ -75,7 +75,7 @@ class CosmosHeader:
         return network, station or ("" if number is None else str(number)), "", ""
 
     def channel(self) -> tuple[str, str, str]:
-        """Return channel number, direction and location of the sensor in the words of text line 9."""
+        """Return channel number, direction and location of the sensor from text line 9; empty if not stated."""
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
@@ -92,7 +92,7 @@ class CosmosHeader:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from text line 9 and integer 54; an unknown direction with a warning if they differ."""
+        """Return the direction from text line 9 and header integer 54; unknown, with a warning, if they differ."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -103,15 +103,15 @@ class CosmosHeader:
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
-            stated = f"{words!r} and {code} (integer header 54)"
+            stated = f"{words!r} and {code} (integer 54 of the header)"
             return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
-            note = f"the text says {words!r}, integer header 54 says {code}: the direction is unknown"
+            note = f"the text says {words!r}, integer 54 of the header says {code}: the direction is unknown"
             return Direction(note=doubted_direction(said, coded, note))
         return coded if np.isnan(said.azimuth) else said
 
     def structural(self) -> bool:
-        """Return whether the sensor is on a structure, according to integer 19 and the location in text line 9."""
+        """Return whether the sensor is on a structure, by header integer 19 and the location in text line 9."""
         site, place = self.integer(19), self.channel()[2]
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
@@ -123,9 +123,9 @@ class CosmosHeader:
         clock = _CLOCK.search(self.text[7])
         zone = clock[2] if clock and clock[2] else "UTC"
         if zone.upper() not in ("UTC", "GMT"):
-            return None, [f"the start time is in {zone}, the format asks for UTC; it was left out"]
+            return None, [f"the start time is in {zone}, but the format requires UTC; it was left out"]
         if self.integer(46) == 0:
-            return None, ["the start time has quality 0, the clock of the recorder was not set; it was left out"]
+            return None, ["the start time has quality 0 (clock of the recorder not set); it was left out"]
         seconds = self.real(30)
         if np.isnan(seconds) and clock and clock[1] not in ("", "."):
             seconds = float(clock[1])

@@ -1,8 +1,8 @@
-"""Reads the layout that the files of CSMIP, USC and RENADIC share: channels, headers, equally spaced samples.
+"""Reads the layout that files of CSMIP, USC, RENADIC and BHRC share: channels, headers, equally spaced samples.
 
 Volume 1 is uncorrected, volume 2 corrected. A channel begins with 13 lines of text (in volume 2 after a title and
-before 11 more lines), then integers (16I5) and reals (8F10), which repeat some of the text. It ends at a line ``/&`` or
-at the next title.
+before 11 more lines), then integers (16I5) and floating-point values (8F10), which repeat some of the text. It ends at
+a line ``/&`` or at the next title.
 """
 
 import re
@@ -85,7 +85,7 @@ class CsmipHeader:
     number: str = ""  # numbers of the channel on the recorder and at the station; empty if not stated
     counted: int = 0  # number of channels of the recorder; 0 if it is not stated
     code: int = 0  # code of the direction, integer 27; 0 if it is not stated
-    repeated: tuple[str, ...] = ()  # the direction in the words of further lines
+    repeated: tuple[str, ...] = ()  # the direction as further lines state it
 
     @property
     def full_component(self) -> str:
@@ -129,7 +129,7 @@ class SeriesHeading:
 
     @property
     def unit(self) -> str:
-        """Return the unit in the words of the line; empty if the line states no unit."""
+        """Return the unit as the line states it; empty if the line states no unit."""
         return matched(_UNIT, self.words)
 
 
@@ -167,7 +167,7 @@ def heading_at(lines: Sequence[str], at: int) -> SeriesHeading | None:
 
 
 def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: int, unit: str) -> ChannelSamples:
-    """Read the accelerations between a heading and the line with index `end`; `unit` is their unit in words."""
+    """Read the accelerations between a heading and the line with index `end`; `unit` is their unit as stated."""
     where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
     try:
@@ -263,21 +263,21 @@ def _row(behind: Sequence[str], number: int) -> str:
 
 
 def direction_code(behind: Sequence[str]) -> int:
-    """Return integer 27 of the header, an azimuth or a code for up or down; 0 if it is not stated."""
+    """Return header integer 27, an azimuth or a code for up or down, from the lines after the text; 0 if not stated."""
     text = _row(behind, 1)[_AZIMUTH]
     return int(text) if _CODE.fullmatch(text) else 0
 
 
 def held_count(behind: Sequence[str], points: int) -> list[str]:
-    """Return a warning if integer 28 of the header, the number of points, differs from `points`, stated in the text."""
+    """Return a warning if header integer 28, the number of points, differs from `points`, stated in the text."""
     text = _row(behind, 1)[_POINTS]
     if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
         return []
-    return [f"integer 28 of the header states {int(text)} points, the text {points}"]
+    return [f"integer 28 of the header states {int(text)} points, the text states {points}"]
 
 
 def real_header_value(behind: Sequence[str], number: int) -> str:
-    """Return floating-point header value `number` (from 1) as text, from the lines after the header text, or ""."""
+    """Return floating-point header value `number` (from 1) as text, from the lines after the header text; else ""."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
     known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
@@ -285,16 +285,17 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
-    """Return a warning if floating-point value `number`, a peak (unit: `per_unit` m/s2), contradicts the samples."""
+    """Return a warning if floating-point header value `number`, a peak [`per_unit` m/s2], contradicts the samples."""
     peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
-        return [f"real {number} of the header states a peak of {stated:.4g} g, the samples have {found:.4g} g"]
+        value = f"floating-point value {number} of the header states a peak of {stated:.4g} g"
+        return [f"{value}, the samples have {found:.4g} g"]
     return []
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
-    """Return the direction of a channel; unknown, with a note, if the header states different directions."""
+    """Return the direction of a channel; unknown, with a warning, if the header states different ones."""
     # The codes 0, 1100 and 1200 mean sensors without an azimuth.
     coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
@@ -302,6 +303,6 @@ def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Di
     note = f"the text says {component!r}, integer 27 of the header says {code}: the direction is unknown"
     facing = held_direction(direction(component), coded, note)
     for other in repeated:
-        note = f"the text says {component!r}, another line of the header {other!r}: the direction is unknown"
+        note = f"the text says {component!r}, another line of the header says {other!r}: the direction is unknown"
         facing = facing if facing.note else held_direction(facing, direction(other), note)
     return facing

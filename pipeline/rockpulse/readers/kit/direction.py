@@ -99,7 +99,7 @@ class Direction:
 
 
 def direction(wording: str) -> Direction:
-    """Return the direction for words such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``; unknown for others."""
+    """Return the direction for words such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``; unknown for other text."""
     word = " ".join(wording.upper().split()).strip(" .")
     seed = _SEED.fullmatch(word)
     if seed:
@@ -169,9 +169,9 @@ def _one_of(found: Sequence[Direction]) -> Direction:
 def name_direction(file: SourceFile) -> Direction:
     """Return the direction in a file name, such as rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
 
-    Three digits after letters (PIC090) are an azimuth if they are a multiple of 90, or if the folder contains the file
-    of a perpendicular azimuth or of a vertical component; otherwise they may be a station number. A single letter is a
-    direction if it is at either end of the name.
+    Three digits after letters (PIC090) are an azimuth if they are a multiple of 90, or if the folder also contains
+    a file of the same name with a perpendicular azimuth or a vertical component; otherwise they may be a station
+    number. A single letter is a direction if it is at either end of the name.
     """
     path = file.path
     suffix, stem = path.suffix[1:], path.stem
@@ -221,7 +221,7 @@ def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Return whether a sensor location is on a structure; with `stated`, every location except the free field is."""
+    """Return whether a sensor location is on a structure; if `stated`, every location except the free field is."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -1,6 +1,6 @@
 """Reads start times, and data on earthquake and site, from headers; impossible values are omitted without an error.
 
-Dates and times at the start of rows are replaced by seconds from the first of them.
+It also replaces dates and times at the start of rows by the seconds after the first row.
 """
 
 import math
@@ -39,7 +39,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """Return the UTC time from a date, a time and the hours of its zone ahead of UTC; None if they are invalid."""
+    """Return the UTC time from date, time and the hours by which the zone is ahead of UTC; None if they are invalid."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None
@@ -67,7 +67,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """Return the UTC time from the first date and time in a text; None if date, time or time zone is unknown."""
+    """Return the first date and time in a text as UTC (the default zone); None if missing or in an unknown zone."""
     found = _WRITTEN.search(text)
     if not found:
         return None

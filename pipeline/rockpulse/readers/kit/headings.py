@@ -10,7 +10,7 @@ from rockpulse.readers.kit.number_table import LINE_LIMIT, NUMBER, Layout, split
 from rockpulse.readers.kit.prose import stated_columns, stated_counts, stated_steps
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-#: Number of characters of a heading that are read; largest number of words of a short heading (letters of a unit).
+#: Number of characters of a heading that are read; largest number of words of a short heading and letters of a unit.
 _NAME, _SHORT = 80, 3
 _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
@@ -89,7 +89,7 @@ def _names_a_column(line: str) -> bool:
 
 
 def _is_heading(line: str) -> bool:
-    """Return whether a line contains words, not only numbers or ruled lines."""
+    """Return whether a line contains words, rather than only numbers or a ruled line."""
     fields = re.split(r"[\s,;]+", line.strip(_COMMENT)) if len(line) <= LINE_LIMIT else []
     return any(re.search(r"\w", field) and not NUMBER.fullmatch(field) for field in fields)
 

@@ -18,12 +18,12 @@ from rockpulse.record.record import STANDARD_GRAVITY
 #: Quantity of each unit without its prefix, and factor of each prefix.
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
-#: Input units of a response, spelled without power signs, each with its quantity and SI units per unit.
+#: Input units of a response, spelled without power signs, each with its quantity and its size in SI units.
 _MOTION = {prefix + word: (name, scale) for word, name in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()}
 _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
-#: Units of sensors at the same stations that do not record ground motion.
+#: Units of sensors that do not record ground motion but may belong to the same station.
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
-#: Largest relative difference between the stages of a response and its stated sensitivity without a warning.
+#: Relative difference of the product of the stage gains and the stated sensitivity above which there is a warning.
 GAIN_TOLERANCE = 0.05
 _OTHER_MOTION = "the sensitivity is stated for {}, the stages of the response begin with {}"
 #: SI units as spelled by obspy, which scales other units only in some spellings.
@@ -36,6 +36,7 @@ UPPER_TAPER = (0.8, 0.95)
 LONG_PULSES = 0.05
 #: Half-waves longer than this share of the longest period of the pass band lose 4 % or more of their impulse.
 _WHOLE_IMPULSE = 0.2
+_USE_SENSITIVITY = 'set [records] response = "sensitivity"'
 _LOOKS = 400  # number of frequencies at which the response is evaluated
 
 
@@ -43,14 +44,14 @@ _LOOKS = 400  # number of frequencies at which the response is evaluated
 class ConvertedCounts:
     """Samples after the conversion from counts, and the factor that turns them into m/s2."""
 
-    samples: np.ndarray  # (n,) samples, which times `factor` are m/s2
+    samples: np.ndarray  # (n,) samples, in m/s2 after multiplication by `factor`
     factor: float | None  # m/s2 per count at the frequency of the sensitivity
     processing: tuple[str, ...]  # description of the method, for `Record.processing`
     warnings: tuple[str, ...]
 
 
 def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: str) -> ConvertedCounts:
-    """Convert counts (n,) to acceleration; `way` is "sensitivity" or "remove", as `ReadOptions.response`."""
+    """Convert counts (n,) to acceleration; `way` is "sensitivity" or "remove", as in `ReadOptions.response`."""
     if way == "remove":
         removed = without_response(where, counts, dt, response)
         return replace(removed, warnings=(*clipping_warning(counts), *removed.warnings))
@@ -59,7 +60,7 @@ def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: s
 
 
 def sensitivity_factor(where: str, response: Any) -> float:
-    """Return m/s2 per count from the sensitivity of an accelerometer; `where` names the channel in errors."""
+    """Return the factor [m/s2 per count] from the sensitivity of an accelerometer; `where` names the channel."""
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
@@ -90,8 +91,8 @@ def sensitivity_notes(response: Any) -> list[str]:
 
 
 def _off(share: float) -> list[str]:
-    """Return a warning if the stages of a response differ from its sensitivity by more than `GAIN_TOLERANCE`."""
-    off = f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"
+    """Return a warning if `share`, the relative difference of stage gains and sensitivity, exceeds `GAIN_TOLERANCE`."""
+    off = f"the product of the stage gains differs from the sensitivity of the response by {100.0 * share:.3g} %"
     return [] if abs(share) <= GAIN_TOLERANCE else [off]
 
 
@@ -113,7 +114,7 @@ def measured(where: str, unit: Any) -> tuple[str, float]:
         raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
     if word not in _MOTION:
         raise RecordRefused(
-            f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (C, M, U or N before it), "
+            f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (prefix C, M, U or N), "
             "G or GAL; correct the StationXML"
         )
     return _MOTION[word]
@@ -146,7 +147,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     except Exception as fault:  # obspy and its C library may raise any error for an unusual response
         raise RecordFormatError(
             f"{where}: obspy cannot evaluate the response: {fault}; download the StationXML again, "
-            'or set [records] response = "sensitivity"'
+            f"or {_USE_SENSITIVITY}"
         ) from fault
     if not band[1] < band[2]:
         would = f"the pass band would begin at {band[1]:.3g} Hz and end at {band[2]:.3g} Hz"
@@ -154,16 +155,17 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
             f"{where}: {counts.size} samples are too few to remove the response: {would}; use a longer record"
         )
     if not np.all(np.isfinite(trace.data)):
-        raise RecordFormatError(f"{where}: the response is zero within the pass band; use its sensitivity")
+        raise RecordFormatError(f"{where}: the response is zero within the pass band; {_USE_SENSITIVITY}")
     low = f"from {band[1]:.3g} Hz (nothing below {band[0]:.3g} Hz)" if band[0] > 0.0 else "from 0 Hz"
     passed = f"{low} to {band[2]:.3g} Hz (nothing above {band[3]:.3g} Hz)"
     note = f"instrument response removed, {unit} to m/s2: mean removed, pass band {passed}"
     # Stages that differ from the sensitivity are reported by `_disagreement`, with the difference.
     warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
     if quantity != "acceleration":
-        warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
+        check = "check that it did not reach its limit"
+        warnings.append(f"the sensor records {quantity}, which was differentiated: {check}")
     if band[1] > LONG_PULSES:
-        damped = f"impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s are damped"
+        damped = f"impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s are reduced"
         advice = "use an accelerometer for near-fault pulses"
         warnings.append(f"the pass band begins at {band[1]:.3g} Hz: {damped}; {advice}")
     warnings += _disagreement(where, response, size, quantity, scale)
@@ -176,10 +178,10 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
 
     stages = response.response_stages
     if not stages:
-        advice = "get it with them (level=response), or use the sensitivity"
-        raise RecordRefused(f"{where}: the StationXML has no stages of the response; {advice}")
+        advice = f"download it with level=response, or {_USE_SENSITIVITY}"
+        raise RecordRefused(f"{where}: the StationXML contains no stages of the response; {advice}")
     if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
-        raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
+        raise RecordRefused(f"{where}: the response is a polynomial, which is not supported; {_USE_SENSITIVITY}")
     sensitivity = response.instrument_sensitivity
     unit = str(first_stage(response).input_units or (sensitivity and sensitivity.input_units))
     return (unit.upper(), *measured(where, unit))
@@ -214,7 +216,7 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return the gain [counts per m/s2] in the pass band, and the gain per input unit, which may be NaN."""
+    """Return the gain in the pass band [counts per m/s2] and per input unit (NaN without a sensitivity in the band)."""
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:

@@ -39,15 +39,15 @@ _IDEOGRAMS = {
     "加速度": " acceleration ", "速度": " velocity ", "変位": " displacement ", "位移": " displacement ",
     "時間": " time ", "时间": " time ",
 }  # fmt: skip
-#: Pattern of spectra in prose, where words for period, frequency and velocity may have other meanings.
+#: Pattern of words for spectra in header text, where period or frequency may mean something else.
 _PROSE_SPECTRUM = re.compile(r"ps[av]|spectr(?:um|a|es|e)|espectros?|spettr[oi]|spektr(?:um|en)|fourier")
-#: Pattern of words that in prose mean something else, such as a distance or the spacing.
+#: Pattern of short words that mean something else in header text, such as a distance or the spacing.
 _NO_PROSE = re.compile(r"dis|dsp|vels?|acel")
 #: Pattern of words that show that a spectrum is the target of an accelerogram, not the content of the file.
 _MATCHED = re.compile(
     r"match|compatib|compativ|target|design|accelero|artificial|synthetic|simulat|filter|uyumlu|angepas"
 )
-#: Pattern of the magnitude of a vector, which has no sign and no direction.
+#: Pattern of words for the magnitude of a vector, which has no sign and no direction.
 _SIZE = re.compile(
     r"absolute?|abs|total|resultant|magnitude|norm|modulus|srss|resultante|risultante|modulo|module|betrag|norme|"
     r"bileske|toplam|assoluta|absoluta|absolue|gesamt|res|tot|a_?t|atotal|tgf"
@@ -55,7 +55,7 @@ _SIZE = re.compile(
 #: Suffixes of files that contain only one kind of motion.
 _SUFFIXES = {"at2": "acceleration", "vt2": "velocity", "dt2": "displacement", "rsp": "spectrum", "spc": "spectrum"}
 _SUFFIXES |= {"acl": "acceleration", "rs": "spectrum"}
-#: Pattern of further words in the name of a folder that also contains the word for a kind of motion.
+#: Pattern of words that may accompany the word for a kind of motion in the name of a folder.
 _PLAIN_FOLDER = re.compile(r"data|files?|time|hist(?:ory|ories)?|series|records?|txt|csv|the|of|de|in|cm|m|s|g")
 #: Kinds of motion by letter; a letter is used if the folder contains the files with the two other letters.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
@@ -87,7 +87,7 @@ def kinds_of(text: str) -> list[str]:
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Return the kinds of motion that a lower-case text names; for a file name (`name`), short words count, too."""
+    """Return the kinds of motion that a lower-case text names; in a file name (`name`), short words count, too."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -136,7 +136,7 @@ def _kinds_of_words(words: list[str]) -> list[str]:
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
-    """Return "spectrum" if a name contains Sa, Sv or Sd and the same name with acc instead also exists; else ""."""
+    """Return "spectrum" if a name contains Sa, Sv or Sd, and a file with acc in its place exists; else ""."""
     for match in _ORDINATE.finditer(path.stem):
         names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
         if any(file.beside(name) is not None for name in names):

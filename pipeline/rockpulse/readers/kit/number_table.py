@@ -20,7 +20,7 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
-_OF_RSPMATCH = 3  # number of numbers in the line above the samples of RSPMatch
+_OF_RSPMATCH = 3  # number of numbers in the line above the samples in files of RSPMatch
 _PART = 2**14  # number of rows that are read together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
@@ -53,7 +53,7 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
 
 
 def _find_delimiter(rows: Sequence[str]) -> str | None:
-    """Return the delimiter of rows of numbers; None for blanks, even if commas are decimal marks."""
+    """Return the delimiter of rows of numbers; None if blanks separate them, even if commas mark decimals."""
     if any(";" in row for row in rows):
         return ";"
     split = (split_row(row, None) for row in rows if "," in row)
@@ -106,7 +106,7 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
     if layout.decimal == "," and points:
         at = next(index for index, row in enumerate(rows) if "." in row)
         expected, found = "decimal commas, as in other rows", f"a point in {rows[at].strip()[:_SHOWN]!r}"
-        raise unexpected(f"{name}:{first + at}", expected, found, "write one decimal mark throughout")
+        raise unexpected(f"{name}:{first + at}", expected, found, "use one decimal mark in the whole file")
 
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
@@ -136,7 +136,7 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
         fields = split_row(row, layout.delimiter) if len(row) <= LINE_LIMIT else []
         sound = all(NUMBER.fullmatch(field) and other not in field and np.isfinite(as_float(field)) for field in fields)
         if row and not (sound and len(fields) == layout.width):
-            advice = "repair the line or cut the record there"
+            advice = "repair the line, or end the record before it"
             return unexpected(f"{name}:{first + index}", f"{layout.width} finite numbers", repr(row[:_SHOWN]), advice)
     return RecordFormatError(
         f"{name}:{first}: the rows cannot be read as {layout.width} columns of numbers; write them with one "
@@ -218,7 +218,7 @@ def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
 
 
 def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered | None:
-    """Return the count, and perhaps the interval, at the top of a single column; None if there is no count."""
+    """Return the count and, if stated, the interval at the top of a single column; None if there is no count."""
     rows = [index for index in range(layout.start, len(lines)) if lines[index].strip()]
     texts = [split_row(lines[index][:LINE_LIMIT], layout.delimiter)[0] for index in rows[:_LOOK_AT]]
     for used in (2, 1):
@@ -234,9 +234,9 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 def runs_on(table: np.ndarray) -> bool:
     """Return whether the rows (n, columns) are one series wrapped into rows, rather than channels in columns.
 
-    True if both criteria `SMOOTHER` and `ALIKE` are met. Channels cannot meet both: for m channels of a common motion
-    and noise, with x the ratio of the mean squares of their steps, the first ratio is (m + x)/(m (1 + x)), below 1/2
-    only for x > m/(m - 2), and the second ratio is 1 + x.
+    True if both criteria `SMOOTHER` and `ALIKE` are met. Channels cannot meet both: if m channels contain a common
+    motion and independent noise, and x is the ratio of the mean squares of the steps of motion and noise, the first
+    ratio is (m + x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second ratio is 1 + x.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

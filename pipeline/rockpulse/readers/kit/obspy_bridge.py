@@ -21,7 +21,7 @@ from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.warning_text import WarningText
 
-#: Warnings that do not concern the record: on obspy's own future, and on files left open elsewhere.
+#: Warnings that do not concern the record: on future changes of obspy, and on files left open elsewhere.
 _NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
 #: Lock, as all threads share Python's warning filters: overlapping blocks of two threads would disturb each other.
 _ALONE = threading.RLock()
@@ -33,14 +33,14 @@ _OFF_AXIS = 45.0
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """Collect obspy's warnings during a ``with`` block in a list; with `terminal`, also its lines on standard error."""
+    """Collect obspy's warnings during a ``with`` block in a list; with `terminal`, also its standard error."""
     notes: list[str] = []
     lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
         # A callback of a C library cannot raise errors, such as one for a message that cannot be decoded.
         before = sys.unraisablehook
-        sys.unraisablehook = lambda one: lost.append(f"a message of its C library is lost ({one.exc_value})")
+        sys.unraisablehook = lambda one: lost.append(f"a message of its C library was lost ({one.exc_value})")
         try:
             with _standard_error(terminal) as printed:
                 yield notes
@@ -170,7 +170,7 @@ def _channels(
 
 
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
-    """Return the StationXML channel for the whole time of a trace, its station name, and obspy's warnings.
+    """Return the StationXML channel that is valid for a whole trace, its station name, and obspy's warnings.
 
     A StationXML with the name of the miniSEED file has priority; one that rockpulse wrote is used for no other file.
     """
@@ -192,7 +192,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
             notes += [f"{name}: {note}" for note in warned]
             serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
             bound = len(serving) < len(channels)
-            looked.append(f"{name}, which serves the miniSEED file of its own name only" if bound else name)
+            looked.append(f"{name}, which applies only to the miniSEED file of the same name" if bound else name)
             found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
         if found:
             break
@@ -230,7 +230,7 @@ def _holds(channel: Any, start: Any, end: Any) -> bool:
 
 
 def _overlap(one: Any, other: Any) -> bool:
-    """Return whether two epochs overlap; a missing limit means an open end."""
+    """Return whether the epochs of two channels overlap; a missing limit means an open end."""
     return not any(
         first.end_date and second.start_date and first.end_date < second.start_date
         for first, second in ((one, other), (other, one))

@@ -264,7 +264,7 @@ def stated_direction(header: Sequence[str]) -> Direction:
 
 
 def stated_start(header: Sequence[str]) -> datetime | None:
-    """Return the UTC time of the first sample that a header states; None if time or zone is missing."""
+    """Return the UTC time of the first sample that a header states; None if it is missing or in an unknown zone."""
     texts = (match[1].upper() for line in header if (match := _START.search(folded_text(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
@@ -277,7 +277,7 @@ def stated_station(header: Sequence[str]) -> str:
 def stated_columns(header: Sequence[str], width: int) -> list[str]:
     """Return the words for each column from a line such as "components: E N Z"; empty if there is none.
 
-    If the line has one word less than there are columns, the first column contains the times.
+    If the line has one word fewer than there are columns, the first column contains the times.
     """
     numbered: dict[int, str] = {}
     for line in header:

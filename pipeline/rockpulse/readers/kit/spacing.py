@@ -37,7 +37,7 @@ LATEST = 1e13
 #: Seconds in each unit that a column of times may have.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
-_CLIMB = 20  # number of rows over which an acceleration never rises in equal steps
+_CLIMB = 20  # smallest number of rows, rising in equal steps, that are times and not accelerations
 #: Share of decreasing steps below which the first column cannot be an acceleration.
 TIME_FALLS = 0.05
 PAIRS_PER_ROW = 5
@@ -149,7 +149,7 @@ def make_even(
     before, after = (float(np.max(np.abs(values))) * gravity_per_unit for values in (samples, even_samples))
     note = (
         f"unequal steps of {steps.min():.4g} to {steps.max():.4g} s, resampled by linear interpolation at their "
-        f"median, {dt:g} s; the peak goes from {before:.4g} to {after:.4g} g"
+        f"median, {dt:g} s; the peak changes from {before:.4g} to {after:.4g} g"
     )
     return even_samples, dt, [note]
 
@@ -189,7 +189,7 @@ def declared_points(line: str, where: str) -> int:
 
 
 def pair_unit(line: str, where: str) -> str:
-    """Return the key of `UNITS` for a line ``Units are sec and g/10``; raise UnitError if it is missing."""
+    """Return the key of `UNITS` for a line ``Units are sec and g/10``; raise UnitError if it is missing or unknown."""
     match = _UNIT.search(line)
     return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
 
@@ -287,7 +287,7 @@ def time_column_step(
         at, advice, remedies = int(np.argmin(steps)), "repair the times", []
         if not falls:
             remedies = [GIVE_INTERVAL]
-            advice += ", or give the interval (option dt) if they are rounded to more than one interval"
+            advice += ", or give the interval (option dt) if they are rounded to steps longer than the interval"
         found = f"{first[at + 1]:g} after {first[at]:g}"
         raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice, *remedies)
     at = int(np.argmax(np.abs(steps - np.median(steps))))
@@ -308,7 +308,7 @@ def climbs(column: np.ndarray) -> bool:
 
 
 def agreed_step(name: str, steps: dict[str, float | None], advice: str, given: str = "") -> float:
-    """Return the interval [s] that all sources state, of which `given` is the user; raise an error if they differ."""
+    """Return the interval [s] on which all sources agree, or raise an error; `given` is the one that the user set."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(

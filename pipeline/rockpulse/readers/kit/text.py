@@ -105,7 +105,7 @@ class Entries(dict[str, Entry]):
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Return the lines of a file in UTF-8 or Latin-1, at least one, without blank lines and Ctrl-Z at the end."""
+    """Return the lines (at least one) of a file in UTF-8 or Latin-1; blank lines and Ctrl-Z at its end are removed."""
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
         content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
@@ -152,7 +152,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
     """Return the first `count` numbers of rows with fields of equal width; `first` is the line number of `lines[0]`."""
     if width < 1 or per_row < 1:
-        found = f"{per_row} of {width} from line {first} on"
+        found = f"{per_row} fields of {width} characters from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
     block = [row.rstrip() for row in lines[: max(-(-count // per_row), 0)]]
     _check_rows(block, first, width, per_row, count, where)
@@ -215,7 +215,7 @@ def canonical_unit(text: str, where: str) -> str:
 def for_other_files(option: str) -> str:
     """Return the advice for an option of the command line that contradicts a statement in a file."""
     return (
-        f"correct the wrong one; or, if {option} is meant for other files, give it for these alone ([[records.file]] "
+        f"correct the wrong one; or, if {option} is meant for other files, give it for them only ([[records.file]] "
         f"in the configuration), or convert them first, so that they state it (rockpulse convert FILE {option} -o "
         "FILE.csv)"
     )
@@ -227,7 +227,7 @@ def _squeezed(text: str) -> str:
 
 
 def spelled_unit(text: str) -> str:
-    """Return the key of `UNITS` for a spelling of a unit; for an unknown unit, a text that is not a key."""
+    """Return the key of `UNITS` for a spelling of a unit; return an unknown unit in lower case."""
     unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
     return {"gals": "gal", "(g)": "g", "g's": "g", "gs": "g"}.get(unit, unit)
 

@@ -19,9 +19,9 @@ from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Dimensions that become columns, one per label, if a variable has only one of them besides those of the rows.
+#: Dimensions with one column for each label, if a variable has exactly one of them besides the dimensions of the rows.
 SPREAD = ("demand", "parameter")
-#: Dimension of variables that are in a table only if it is named among the dimensions of the rows.
+#: A variable with this dimension is in a table only if the user names the dimension among those of the rows.
 ASKED = "tie"
 #: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
@@ -40,12 +40,12 @@ class TableColumn:
     long_name: str
     words: dict[int, str]  # word for each value of a flag; empty for other variables
     variable: xr.Variable  # not yet read
-    labels: np.ndarray | None = None  # labels, if the values are indices into them; -1: no label
+    labels: np.ndarray | None = None  # labels to show if the values are indices of labels; index -1: no label
     #: For a ragged array: index after the last row of each label.
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of the column in the rows given by `places`: the indices of rows along each dimension."""
+        """Return the values of the column in some rows; `places` contains the indices of the rows by dimension."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -95,7 +95,7 @@ def long_table(
     selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """Return a long table of a group; by default, `dims` are the dimensions of the variable with most dimensions."""
+    """Return a long table of a group; rows have the dimensions `dims` (default: those of the largest variables)."""
     selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
@@ -198,7 +198,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """Return whether a name is the heading of a column, with or without the label in brackets."""
+    """Return whether a name is the heading of a column, with or without the label in brackets that may end it."""
     return name in (column.name, column.name.partition("[")[0])
 
 

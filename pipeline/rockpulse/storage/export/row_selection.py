@@ -18,7 +18,7 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 #: Largest number of names that are listed in a message.
 LISTED = 12
 
-#: The variable of each heading in tables.
+#: For each heading of a printed table, the name of the variable that it shows.
 SHOWN = {
     "P": "overturning_probability",
     "SF": "safety_factor",
@@ -129,7 +129,7 @@ class RowSelection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return the indices of labels that match a pattern (all without patterns); `what` is the kind of label."""
+    """Return the indices of the labels that match a pattern, or all if there are none; `what` is the kind of label."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -164,7 +164,7 @@ def rows(
     selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Return the indices of the selected rows along each of `dims`, and the number of rows without the limit.
+    """Return the indices of the selected rows along each of `dims`, and their number before the limit is applied.
 
     If a variable has further dimensions, at least one value along them must meet its condition. Rows are sorted by the
     smallest value (the largest if `descending`) that meets all conditions and `masks`.

@@ -92,7 +92,8 @@ def write_table(
     """Write a table and its README, both or none, and return their paths; CSV files are written piece by piece.
 
     `about` states in the README where the table comes from. `on_rows` is called with the number of rows of each piece.
-    `decimal_comma` selects semicolons, decimal commas and a byte order mark. `raw` changes only line breaks in strings.
+    `decimal_comma` selects semicolons, decimal commas and a byte order mark. With `raw`, only line breaks in strings
+    are changed.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)

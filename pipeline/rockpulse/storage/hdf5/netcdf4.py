@@ -126,13 +126,13 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
-    """Read the values at the given indices or slices along each dimension; other dimensions are ignored."""
+    """Read the values at given indices or slices; `positions` may contain dimensions that the variable lacks."""
     box, inside = _box(variable, positions)
     return np.asarray(box.isel(inside).values)
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Read single values at points given by their indices along each dimension."""
+    """Read one value at each of several points, which are given by their indices along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 

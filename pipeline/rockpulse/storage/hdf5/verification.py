@@ -50,7 +50,10 @@ class _Listed:
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Check a results file against its checksums and schema and, with `inputs`, its input files against checksums."""
+    """Compare a results file with its stored checksums and its schema, and (with `inputs`) its input files as well.
+
+    `progress` is called with each list that is processed, and returns an iterable of its items.
+    """
     with checked(path) as (hdf5, kind, _), damage_reported(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
@@ -190,7 +193,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield the files, sorted, each with its SHA-256, the error raised on reading it, or None if it is missing."""
+    """Yield each file of a sorted list with its SHA-256, with the error if it is unreadable, or None if missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -95,7 +95,9 @@ class TreeWriter:
         values = np.asarray(values)
         shape, begin = self._shapes[path], self._written[path]
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
-            raise ValueError(f"{path}: expected values for {shape} from {begin} on, found {values.shape}")
+            raise ValueError(
+                f"{path}: expected values for the shape {shape} from index {begin} on, found the shape {values.shape}"
+            )
         if values.dtype.kind in "UO":
             values = np.array([in_utf8(str(text)) for text in values.ravel().tolist()], object).reshape(values.shape)
         self._checksums[path].add(values)
@@ -169,7 +171,7 @@ class TreeWriter:
             held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
-        """Close the file, truncated to zero bytes after an error; raise OSError if it could not be written."""
+        """Close the file; after an error, first cut it to zero bytes. Raise OSError if it could not be written."""
         faults: list[Exception] = []
         if error is None:
             try:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rockpulse.errors import Failure
 
 
-#: Integer value of a flag that is not known.
+#: Integer that is stored for a flag whose value is not known.
 NOT_KNOWN = -1
 NO_YES = ("no", "yes")
 
@@ -36,7 +36,7 @@ class StoredVariable:
     words: tuple[str, ...] = ()  # words of a flag; their values count up from `first`
     first: int = 0
     explanation: str = ""  # further text for docs/schema.md
-    stored: Callable[[Config], bool] | None = None  # whether the variable is stored under a configuration; None: always
+    stored: Callable[[Config], bool] | None = None  # whether a configuration requires the variable; None: always stored
     comment: Callable[[Config], str] | None = None  # attribute `comment` of the variable for a configuration
     of_ground: bool = False  # whether the variable needs a record, and is absent for a sequence of impulses
     sample_dimension: str = ""  # for counts of values in a ragged array (CF): the dimension that is counted

@@ -10,7 +10,7 @@ from rockpulse.storage.variables import FAILURE, NO_YES, Declared, StoredVariabl
 from rockpulse.storage.variables.probability import SPECTRA
 from rockpulse.storage.variables.summary import LANES, SUMMARY
 
-#: Dimensions that grow with the records.
+#: Dimensions whose size increases with each record that is assessed.
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
 
 

@@ -10,7 +10,7 @@ from rockpulse.storage.variables.summary import FACTS, RECORD
 FRAGILITY = "fragility"
 #: Text in place of a unit, for values in the unit of the intensity measure.
 OWN = "see measure_units"
-#: Name of the property that depends on the intensity measure: its value for the record at scale factor 1.
+#: Name of the property of a record that is the value of the intensity measure at scale factor 1.
 STRENGTH = "strength"
 #: Properties that only some record files state; they are fields of a record.
 STATED = ("magnitude", "epicentral_distance", "vs30")

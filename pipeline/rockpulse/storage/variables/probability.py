@@ -17,7 +17,7 @@ MEAN = "overturning_probability_mean"
 #: Words of the flag `probability_source`, in the order of its values.
 SOURCES = ("none", "spectrum", "slender_limit", "full_equation", "shared_spectrum")
 
-#: The field of :class:`rocking.OverturningFactors` that each variable contains.
+#: For each variable, the field of :class:`rocking.OverturningFactors` that contains its values.
 READ = {
     "overturning_probability": "at_one",
     "factor_10": "factor_10",
@@ -31,7 +31,7 @@ def _fixed(values: np.ndarray) -> Callable[[Any, Config], np.ndarray]:
 
 
 def of_lanes(name: str) -> Callable[[Any], np.ndarray]:
-    """Return a function that reads a variable of the probability of an assessed record, for each body and case."""
+    """Return a function that reads the variable `name` of an assessed record, for each body and restitution."""
     return lambda one: one.per_lane(one.probability[name])
 
 

@@ -89,7 +89,7 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """Return a function that reads an integer result of the search for scale factors; -1 where nothing was searched."""
+    """Return a function that reads an integer result of the search for scale factors; -1 if no search was made."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )

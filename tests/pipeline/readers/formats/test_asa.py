@@ -101,7 +101,7 @@ def test_channels_of_different_lengths(write):
     assert [record.npts for record in records] == [250, 400, 320]
     for record, column in zip(records, TABLE.T, strict=True):
         assert record.acceleration == pytest.approx(0.01 * column[: record.npts], abs=1e-12)
-    assert "different lengths, 250, 400, 320" in records[0].warnings[0]
+    assert "different lengths: 250, 400, 320" in records[0].warnings[0]
     content = asa(TABLE, counts=(250, 400, 320)).splitlines()
     content[113] = content[113][:29] + b"x"
     with pytest.raises(RecordFormatError, match=r"test.012:114: expected a finite number"):

@@ -359,7 +359,7 @@ def test_a_list_that_cannot_be_read_is_a_warning(tmp_path):
     path.write_bytes(at2(pulse()))
     (record,) = read(path)
     (warning,) = record.warnings
-    assert warning.startswith("_SearchResults.csv beside the file cannot be read, magnitude and Vs30 stay unknown: ")
+    assert warning.startswith("_SearchResults.csv in the same folder cannot be read, magnitude and Vs30 are unknown: ")
 
 
 VALUES = np.round(pulse(400), 6)

@@ -48,7 +48,7 @@ def test_rows_beyond_the_declared_count_are_reported():
         (bhrc(THREE)[:5000], r"stream:\d+: expected 403 numbers .* found"),
         (bhrc(THREE)[:1000], r"stream:\d+: expected 27 header lines of channel 1"),
         (bhrc(THREE, count=99_999_999), r"expected 99999999 numbers .* found 403"),
-        (bhrc(THREE, rate=100.0), r"stream:22: expected the samples per s of 403 points in 2.015 s"),
+        (bhrc(THREE, rate=100.0), r"stream:22: expected a sampling rate that gives 403 points in 2.015 s"),
         (bhrc(THREE, rate=-200.0), r"stream:22: .* found -200"),
         (bhrc(THREE, unit="UNITS ARE SECONDS AND FURLONG"), "stream:12: unknown unit"),
         (bhrc(THREE).replace(b"COMP V2", b"COMP X2"), r"stream:76: expected 'COMP L1'"),
@@ -82,7 +82,8 @@ def test_l_and_t_are_at_right_angles(azimuth, told):
 @pytest.mark.parametrize(("letter", "told"), [(b"T", True), (b"l", False), (b"X", False)])
 def test_the_letter_of_the_component(letter, told):
     record = got(bhrc(THREE).replace(b"\r\nL\r\n", b"\r\n" + letter + b"\r\n"))[0]
-    assert record.warnings == (("the header names the component T and L; one of them is wrong",) if told else ())
+    note = "the header names both T and L as the component; one of them is wrong"
+    assert record.warnings == ((note,) if told else ())
 
 
 def test_a_file_that_ends_before_its_third_channel_says_so():

@@ -107,7 +107,7 @@ def test_several_channels_with_headings(write):
     assert records[2].acceleration == pytest.approx(3 * VALUES, rel=1e-12)
 
 
-@pytest.mark.parametrize(("width", "words"), [(4, "Rows of up to 4 numbers"), (5, "The values do not run on")])
+@pytest.mark.parametrize(("width", "words"), [(4, "Rows of up to 4 numbers"), (5, "The values do not continue")])
 def test_rows_that_may_be_those_of_a_station_are_no_series(write, width, words):
     rows = np.random.default_rng(1).normal(size=(width, 40))
     with pytest.raises(RecordFormatError, match=rf"found {width} columns of numbers\. .* {words}"):
@@ -146,13 +146,13 @@ def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_
         write(table(0.1 * (steps % 7), VALUES[:count], header="frequency (Hz)  acc (g)\n")), units="g", dt=0.01
     )
     assert record.acceleration == pytest.approx(VALUES[:count] * STANDARD_GRAVITY, rel=1e-12)
-    assert record.warnings == ("columns left out, no acceleration: frequency (Hz)",)
+    assert record.warnings == ("columns left out because they are no accelerations: frequency (Hz)",)
     with pytest.raises(RecordFormatError, match="expected accelerations, found that column 1 increases like times"):
         read(write(table(0.1 * steps, header="frequency (Hz)\n")), units="g", dt=0.01)
     (record,) = read(
         write(table(5.0 - 0.1 * (steps // 2), VALUES[:count], header="period (s)  acc (g)\n")), units="g", dt=0.01
     )
-    assert record.warnings == ("columns left out, no acceleration: period (s)",)
+    assert record.warnings == ("columns left out because they are no accelerations: period (s)",)
     with pytest.raises(RecordFormatError, match="expected equally spaced times in the first column"):
         read(write(table(0.1 * (steps // 2), VALUES[:count], header="frequency (Hz)  acc (g)\n")), units="g", dt=0.01)
 

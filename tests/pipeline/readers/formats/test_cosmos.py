@@ -97,9 +97,9 @@ def test_counts_with_every_factor_of_the_gain(write):
 @pytest.mark.parametrize(
     ("reals", "message"),
     [
-        ({22: -999}, r"counts without a gain: the header lacks real 22 \(microvolts per count\); read the V1"),
-        ({42: -999, 47: -999}, r"lacks real 42 \(sensor sensitivity, V/g\), 47 \(sensor gain\)"),
-        ({47: 0.0}, r"lacks real 47"),
+        ({22: -999}, r"without a gain: the header lacks floating-point value 22 \(microvolts per count\); read the V1"),
+        ({42: -999, 47: -999}, r"lacks floating-point value 42 \(sensor sensitivity, V/g\), 47 \(sensor gain\)"),
+        ({47: 0.0}, r"lacks floating-point value 47"),
         ({42: 0.625}, r"counts with a doubtful gain: .* is 0.625 V/g, .* give 1.25 V/g"),
         ({42: 10.0, 43: 23.0}, r"counts with a doubtful gain: .* is 10 V/g, .* give 11.5 V/g"),
         ({47: 4.0, 43: -999}, r"counts with a doubtful gain: .* is 5 V/g, .* give nan V/g"),
@@ -130,7 +130,7 @@ def test_counts_of_a_velocity_sensor(write, code):
     ("code", "quantity"), [(2, "velocity"), (3, "displacement"), (10, "angular acceleration"), (11, "angular velocity")]
 )
 def test_a_code_of_another_quantity_contradicts_the_title(write, code, quantity):
-    with pytest.raises(RecordFormatError, match=f"integer header 2 says {code}, {quantity}"):
+    with pytest.raises(RecordFormatError, match=f"integer 2 of the header says {code}, {quantity}"):
         read(write(cosmos(pulse(), integers={2: code})))
     with pytest.raises(NotAcceleration, match="found 'Corrected velocity'"):
         read(write(cosmos(pulse(), kind="Corrected velocity", integers={2: code})))
@@ -164,7 +164,7 @@ def test_a_channel_without_a_code_of_seed(write, arguments, channel):
         (cosmos(pulse())[: cosmos(pulse()).index(b"(8f9.6)") + 7], r"V1C:45: expected 400 samples .*, found 0"),
         (
             cosmos(pulse(), sections=[series(pulse()), series(2.0 * pulse())]),
-            r"V1C:96: expected one series of acceleration in the channel, found another than that of line 45",
+            r"V1C:96: expected one series of acceleration in the channel, found a second one after that of line 45",
         ),
     ],
 )
@@ -179,7 +179,7 @@ def test_an_angular_acceleration_is_none_along_a_line(write):
 
 
 def test_counts_are_no_unit_of_the_same_size(write):
-    with pytest.raises(UnitError, match=r"the unit is named 'm/sec2' and coded 50"):
+    with pytest.raises(UnitError, match=r"the unit has the name 'm/sec2' and the code 50"):
         read(write(cosmos(pulse(), unit="m/sec2", code="(50)")))
 
 
@@ -187,17 +187,17 @@ def test_counts_are_no_unit_of_the_same_size(write):
     ("peak", "real", "told"),
     [
         (0.3, 0.306, ""),
-        (0.3, 0.3064, "the header states peaks of 0.3 g (text) and 0.3064 g (real 64)"),
-        (0.3, 0.2936, "the header states peaks of 0.3 g (text) and 0.2936 g (real 64)"),
+        (0.3, 0.3064, "the header states peaks of 0.3 g (text) and 0.3064 g (floating-point value 64)"),
+        (0.3, 0.2936, "the header states peaks of 0.3 g (text) and 0.2936 g (floating-point value 64)"),
         (0.004, 0.00449, ""),
-        (0.004, 0.00456, "the header states peaks of 0.004 g (text) and 0.00456 g (real 64)"),
+        (0.004, 0.00456, "the header states peaks of 0.004 g (text) and 0.00456 g (floating-point value 64)"),
         (0.0044, -999, ""),  # for which the text has 0.004
     ],
 )
 def test_the_peaks_of_the_text_and_of_the_reals(write, peak, real, told):
     (record,) = read(write(cosmos(pulse(peak=peak), reals={64: real})))
     assert "".join(record.warnings[:1]).startswith(told)
-    assert [warning for warning in record.warnings if "(real 64)" in warning] == ([told] if told else [])
+    assert [warning for warning in record.warnings if "value 64)" in warning] == ([told] if told else [])
     if real == -999:
         assert record.header_peak == pytest.approx(0.004 * G, rel=1e-12)
         assert record.warnings == ()
@@ -207,7 +207,7 @@ def test_a_peak_in_m_s2_is_no_peak_in_counts(write):
     content = cosmos(pulse(peak=3.0), unit="mm/sec2", code="", reals={64: 3.0})
     content = content.replace(b"0.003 mm/sec2", b"0.003 m/sec2 ").replace(b"3.000 mm/sec2", b"0.006 m/sec2 ")
     (record,) = read(write(content))
-    assert "the header states peaks of 0.0006118 g (text) and 0.0003059 g (real 64)" in record.warnings
+    assert "the header states peaks of 0.0006118 g (text) and 0.0003059 g (floating-point value 64)" in record.warnings
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,7 @@ def test_another_null_and_a_null_sample(write):
     assert record.header_peak == pytest.approx(0.3 * G, rel=1e-9)  # that of the text
     values = np.round(pulse(400, 50.0), 2)
     values[[100, 250]] = -999.0
-    with pytest.raises(RecordRefused, match=r"test.V1C:45: 2 of 400 samples, the first number 101, are -999"):
+    with pytest.raises(RecordRefused, match=r"test.V1C:45: 2 of 400 samples \(the first is sample 101\) are -999"):
         read(write(cosmos(values, **CM)))
 
 

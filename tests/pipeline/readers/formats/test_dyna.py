@@ -83,7 +83,7 @@ def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, pr
 @pytest.mark.parametrize(
     ("changes", "warning"),
     [
-        ({"LATE/NORMAL_TRIGGERED": "LT"}, "late triggered"),
+        ({"LATE/NORMAL_TRIGGERED": "LT"}, "triggered late"),
         (CORRECTED | {"BASELINE_CORRECTION": "BASELINE NOT REMOVED"}, "the baseline was not removed"),
         ({"SENSOR_DEPTH_M": "30.0"}, "30 m below the ground"),
         ({"DURATION_S": "30.0"}, "the header states 30 s, 300 samples at 0.01 s last 3 s"),
@@ -233,7 +233,7 @@ def test_the_name_of_the_file_has_the_component_too(tmp_path, name, azimuth):
     (record,) = read(tmp_path / name)
     assert record.azimuth == pytest.approx(np.nan if azimuth is None else azimuth, nan_ok=True)
     word = "HNN" if "HNN" in name else "N"
-    note = f"the header says HNE, the file name {word}: the direction is unknown"
+    note = f"the header says HNE, the file name says {word}: the direction is unknown"
     assert record.warnings == ((note,) if azimuth is None else ())
 
 
@@ -261,7 +261,7 @@ def test_how_much_of_a_header_makes_the_format():
 def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
     record = got_one(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
     assert record.network == "HI"
-    assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first counts" in record.warnings[0]
+    assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first value is used" in record.warnings[0]
 
 
 def test_two_records_in_one_file_are_refused():

@@ -98,7 +98,7 @@ def test_a_data_record_is_known_by_its_first_letters(head, known):
     ("told", "noted"), [(None, False), (1001.0, False), (1002.0, True), (999.0, False), (998.0, True)]
 )
 def test_the_rate_of_the_station_xml_may_be_off_by_a_thousandth(told, noted):
-    note = f"the StationXML states {told} samples per s, the data 1000; the interval is that of the data"
+    note = f"the StationXML states {told} samples per s, the data have 1000; the interval of the data is used"
     found = _held_rate(1000.0, SimpleNamespace(sample_rate=told))
     assert found == ([note.replace(".0 ", " ")] if noted else [])
 
@@ -238,7 +238,7 @@ def test_a_station_file_that_rockpulse_wrote_serves_the_record_of_its_name_only(
     write_station_xml(tmp_path, epoch())
     described = re.sub("(<Channel.*?>)", rf"\1<Description>{next(iter(PROCESSED))}</Description>", metadata.read_text())
     metadata.write_text(described)
-    with pytest.raises(RecordRefused, match=r"XX.ABC.xml, which serves the miniSEED file of its own name only\); put"):
+    with pytest.raises(RecordRefused, match=r"C.xml, which applies only to the miniSEED file of the same name\); put"):
         read(path)
     metadata.rename(tmp_path / "record.xml")
     assert read(path)[0].processed is True

@@ -120,12 +120,10 @@ def test_the_root_of_the_mean_square_holds_the_unit(write, values, square, told)
     assert b"RECORD =" in content[12]
     content[12] = content[12][:32] + square.encode().rjust(8) + content[12][40:]
     (record,) = read(write(b"\n".join(content)))
-    notes = [note for note in record.warnings if "root of the mean square" in note]
+    notes = [note for note in record.warnings if "root mean square" in note]
     assert bool(notes) is told
     if square == "1.202":
-        assert notes == [
-            "the header states 0.12 g as the root of the mean square, the samples have 0.1 g; check the unit"
-        ]
+        assert notes == ["the header states 0.12 g as the root mean square, the samples have 0.1 g; check the unit"]
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def test_two_peaks_that_are_nearly_equal_are_both_right():
 def test_a_peak_that_is_stated_in_no_number_or_of_one_sample_tells_nothing():
     assert held_peak_time("soon", TIMES, PEAK) == held_peak_time("3", TIMES[:1], np.array([2.0])) == []
     assert held_peak_time("0.9", TIMES[:2], np.array([0.5, 2.0])) == [
-        "the header states the peak at 0.9 s, at the interval of 0.01 s the samples have it at 0.01 s"
+        "the header states the peak at 0.9 s, but at the interval of 0.01 s the samples have it at 0.01 s"
     ]
 
 
@@ -179,9 +179,9 @@ def test_a_direction_in_words_and_as_an_integer(component, code, orientation, az
 
 def test_a_direction_that_another_line_repeats():
     twice = one_direction("90 Deg", 90, ("S00E", "90 DEG", "45"))
-    assert twice.note.endswith("another line of the header 'S00E': the direction is unknown")
+    assert twice.note.endswith("another line of the header says 'S00E': the direction is unknown")
     assert one_direction("90 Deg", 90, ("90 DEG", "S00E")).note.endswith(
-        "another line of the header 'S00E': the direction is unknown"
+        "another line of the header says 'S00E': the direction is unknown"
     )
     assert one_direction("90 Deg", 90, ("90 DEG", "?")) == Direction("horizontal", 90.0)
 
@@ -209,9 +209,9 @@ def test_the_reals_of_a_channel():
 def test_the_count_in_the_integers():
     for rows, points in ((BEHIND, 35430), ([], 35430), (ROWS[:1], 5), (["    0" * 16] * 7, 35430)):
         assert held_count(rows, points) == []
-    assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text 35429"]
+    assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text states 35429"]
     assert held_count(BEHIND, 100_000) == []  # for which there is no room
-    assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, the text 99999"]
+    assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, the text states 99999"]
     assert held_count([ROWS[0], ROWS[1].replace("35430", "    1")], 2) != []
 
 
@@ -278,7 +278,7 @@ def same(records: list[Record], expected: list[Record]) -> bool:
 def test_a_file_that_holds_everything_twice_is_read_once(name):
     expected, records = got(FILES[name], name), got(2 * FILES[name], name)
     assert same(records, expected)
-    assert all("copy of the first: it was read once" in record.warnings[-1] for record in records)
+    assert all("copy of the first half; the content was read once" in record.warnings[-1] for record in records)
     assert records[0].source_sha256 != expected[0].source_sha256
 
 
@@ -298,7 +298,7 @@ def test_a_marker_that_is_written_twice_counts_once(name, mark):
         line = content[at : content.index(b"\n", at) + 1]
         records = got(content[:at] + line + content[at:], name)
         assert same(records, got(content, name)), at
-        told = [note for record in records for note in record.warnings if "it was read once" in note]
+        told = [note for record in records for note in record.warnings if "was read once" in note]
         assert told or mark == b"END-OF-DATA"
 
 

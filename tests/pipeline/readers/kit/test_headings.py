@@ -126,7 +126,7 @@ def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:
 def test_velocity_and_displacement_are_known_by_their_headings(write, header, separator):
     (record,) = read(write(series(header, VELOCITY, np.cumsum(VELOCITY), separator=separator)), units="cm/s2")
     assert record.acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
-    assert "columns left out, no acceleration: " in record.warnings[0]
+    assert "columns left out because they are no accelerations: " in record.warnings[0]
 
 
 @pytest.mark.parametrize("units", ["g", None])
@@ -147,7 +147,7 @@ def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, he
     if units is None:
         assert read(path)[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
         return
-    with pytest.raises(UnitError, match=r"column '.*' is headed (cm/s2|gal), the option units says g"):
+    with pytest.raises(UnitError, match=r"column '.*' states (cm/s2|gal), the option units says g"):
         read(path, units=units)
 
 
@@ -255,7 +255,7 @@ def test_what_is_no_acceleration_is_refused(write, header):
     ["Acceleration and velocity of the same site\n", "Response spectrum\n", "Velocity from acceleration\nt,NS\n"],
 )
 def test_a_header_that_names_more_than_one_motion_asks_for_headings(write, header):
-    with pytest.raises(RecordFormatError, match=r"record.txt:1: expected to know which columns .* name the columns"):
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: expected a statement of which .* name the columns"):
         read(write(series(header)), units="g")
 
 

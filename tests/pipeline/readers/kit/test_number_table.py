@@ -302,8 +302,8 @@ def test_a_series_in_rows_that_run_on_is_read_where_unit_and_interval_are_given(
     (record,) = read(path, units="g", dt=0.01)
     assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=0.51e-6)
     assert record.warnings == (
-        f"rows of {per_row} numbers were read as one series of 200, because the values run on from row to row; nothing "
-        "in the file says so",
+        f"rows of {per_row} numbers were read as one series of 200, because the values "
+        "continue smoothly from row to row; nothing in the file says so",
     )
 
 
@@ -314,7 +314,7 @@ def test_channels_side_by_side_are_no_series_in_rows(write, width, short):
     motion = [np.convolve(random.standard_normal(230), np.hanning(31), "valid") for _ in range(width)]
     rows = [" ".join(f"{value:.5f}" for value in row) for row in np.column_stack(motion)]
     path = write("\n".join([*rows, "0.1 0.2 0.3"] if short else rows).encode())
-    with pytest.raises(RecordFormatError, match=r"do not run on from row to row .*Or write one value to a line"):
+    with pytest.raises(RecordFormatError, match=r"do not continue smoothly .*Otherwise, write one value to a line"):
         read(path, units="g", dt=0.01)
 
 

@@ -210,7 +210,7 @@ def test_even_samples_stay_as_they_are_and_uneven_ones_are_read_off_the_lines_be
     assert (found.tolist(), dt, notes) == (samples.tolist(), pytest.approx(0.02), [])
     found, dt, (note,) = make_even(np.array([0.0, 0.02, 0.04, 0.05, 0.07]), samples, "x.v1", 7, 5, 0.1)
     assert (found.tolist(), dt) == (pytest.approx([0.0, 1.0, -2.0, 1.75]), 0.02)
-    assert note.endswith("median, 0.02 s; the peak goes from 0.3 to 0.2 g")
+    assert note.endswith("median, 0.02 s; the peak changes from 0.3 to 0.2 g")
 
 
 def test_rounding_explains_at_most_a_fifth_of_the_step():

@@ -50,8 +50,8 @@ def test_what_cannot_be_checked_at_all_is_an_error():
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"ag": 0.2}, "f0: ntc requires it in addition to ag"),
-        ({"f0": 2.4, "tc_star": 0.3}, "ag: ntc requires it in addition to f0, tc_star"),
+        ({"ag": 0.2}, "f0: ntc requires this key in addition to ag"),
+        ({"f0": 2.4, "tc_star": 0.3}, "ag: ntc requires this key in addition to f0, tc_star"),
         ({"spectrum": "en_1998_1", "ag": 0.2, "f0": 2.4}, 'f0: it belongs to spectrum = "ntc"'),
         ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "put its factor into ag"),
         ({"spectrum": "table", "ag": 0.2}, "takes its values from the file; remove this key"),

@@ -209,7 +209,7 @@ def test_a_stronger_effect_is_a_smaller_factor_and_the_ends_go_together():
 
 def test_a_body_outside_the_spectrum_has_no_design_and_is_named():
     site = usual_site()["site"].to_dataset()
-    assert str(site["site_warnings"].item()) == "no design outside the range of the spectrum: chest"
+    assert str(site["site_warnings"].item()) == "no design for bodies outside the range of the spectrum: chest"
     chest = site.sel(block="chest")
     assert np.isnan([chest[name] for name in ("effective_impulse", "design_factor", "main", "overturned_share")]).all()
     assert float(chest["p"]) == BLOCKS["chest"].p

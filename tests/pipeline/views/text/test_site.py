@@ -19,7 +19,7 @@ def test_the_target_that_records_are_scaled_to_has_its_unit(scaled):
 
 def test_the_effective_impulse_is_shown_before_the_sequence():
     text = site_overview(usual_site())
-    assert text.startswith("! no design outside the range of the spectrum: chest")
+    assert text.startswith("! no design for bodies outside the range of the spectrum: chest")
     assert 'by the rule, from its half-waves alone; weights: "event".' in text
     first, second = text.partition("Sequence of the site")[::2]
     # I_eff is 1.323 times 0.4 sqrt(p) exp(2 (C - 0.9)), and the body overturns at g tan(alpha)/p.
