@@ -143,7 +143,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The results of one model; `answers[name]` reads a variable as an array over records and, for most, bodies."""
+    """The results of one model; `answers[name]` is a variable as array over records and, for most variables, bodies."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -233,7 +233,7 @@ class Answers:
         return reached if demand is None else reached / self.of_demand("demand_factor", demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies), or their ratio to the scale factors for a demand."""
+        """Return the scale factors (records, bodies), or their ratio to the scale factors to a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -254,7 +254,7 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (motions, bodies) to (motions, blocks); `worst` selects among the restitutions of a block."""
+        """Reduce a table (motions, bodies) to (motions, blocks); `worst` combines the restitutions of a block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 

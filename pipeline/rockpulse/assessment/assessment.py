@@ -107,7 +107,7 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays without rows, with the names, types and further dimensions of every part."""
+        """Arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
         return empty_rows(self.bodies, self.config)
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:

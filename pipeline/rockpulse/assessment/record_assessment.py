@@ -127,7 +127,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join a table of all parts into one table, in the order of the bodies and restitutions."""
+        """Return the named table joined from all parts, in the order of the bodies and restitutions."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 

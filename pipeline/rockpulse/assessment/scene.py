@@ -113,7 +113,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Join the responses of groups of bodies; the histories of group i keep every sample number `steps[i]`."""
+    """Join the responses of groups of bodies; only every `steps[i]`-th sample of the histories of group i is kept."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -166,7 +166,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return the signs by which a record is multiplied for a body that falls to `facing`; both if it acts across it."""
+    """Return (1,) if the direction of a record is `facing`, (-1,) if it is opposite, (1, -1) if it is in between."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 

@@ -45,8 +45,8 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="app",
     summary="open a local page for records, bodies, site and results",
-    description="Serve a page to the browser of this machine, on which records are dropped, bodies and site are "
-    "entered, and results and report are shown. The folder keeps site.toml, the records and the results, with which "
+    description="Serve a page to the browser of this machine, on which you drop records, enter bodies and the site, "
+    "and see results and report. The folder keeps site.toml, the records and the results, with which "
     "the other commands give the same numbers. Nothing is sent to another machine. Needs the extra app: pip install "
     "'rockpulse[app]'.",
     options=(

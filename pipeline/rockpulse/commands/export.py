@@ -67,7 +67,7 @@ VERB = Verb(
             "--group NAME": "group of the file, such as half_cycles, overturning_intervals, directions, failures or "
             "records; default: the group with the results (summary)",
             "--rows DIM[,DIM]": "dimensions of a row, such as record or record,block; default: record,block,model",
-            "--columns NAME[,NAME]": "variables to write in addition to the names; default: all",
+            "--columns NAME[,NAME]": "variables to write beside the names of record, block and model; default: all",
             "--record ID ...": "only this record (* and ? are wildcards); repeatable",
             "--block NAME ...": "only this body (* and ? are wildcards); repeatable",
             **SELECTION,

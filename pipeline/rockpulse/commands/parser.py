@@ -1,4 +1,4 @@
-"""Defines a command of rockpulse (verb), and a parser that accepts only full names and suggests correct ones."""
+"""The class of a command (verb), and a parser that accepts only full names and suggests correct ones."""
 
 import argparse
 import sys

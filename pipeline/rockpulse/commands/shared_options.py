@@ -47,7 +47,7 @@ def from_records(output: str, written: str = "file to write (HDF5)", bodies: boo
         **READING,
         "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a differing duplicate in channels with this id "
         "(* and ? are wildcards), which are rejected otherwise; repeatable",
-        "--overwrite": "replace an existing results file; never another file" if bodies else "replace existing files",
+        "--overwrite": "replace an existing results file, but no other file" if bodies else "replace existing files",
         "--quiet": QUIET,
     }
 

@@ -1,6 +1,6 @@
 """The code checks of the bodies of a configuration, and of their rotations under the records of results.
 
-.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: no analysis passes d_0, and the mean of the
+.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: none exceeds d_0, and the mean of the
    largest displacements does not exceed d_SLV or d_SLC of C8.7.1.2.1.6. NTC 2018, 7.3.5, and EN 1998-1, 4.3.3.4.3: the
    mean is used with seven records or more, and the most unfavourable value with three to six; fewer are not sufficient
    (EN 1998-1, 3.2.3.1.2). The rotation |theta|/alpha_c is converted to the displacement d = (|theta|/alpha_c)

@@ -21,7 +21,7 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observed capacities in one intensity measure, exact or only above or below a level, sorted by level."""
+    """Observed capacities in one intensity measure, sorted by level; each equals its level, is above it, or is not."""
 
     level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE

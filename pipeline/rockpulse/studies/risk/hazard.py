@@ -260,7 +260,8 @@ class SiteHazards:
     hazards : tuple of PowerLawHazard or HazardCurve
         The distinct hazards, all of one measure and unit.
     of_body, distance : (m,) ndarray
-        Index of the hazard of each body, and the distance of its grid point from the site [m]; NaN if unknown.
+        Index of each body's hazard, and distance [m] of the body's site from the point for which this hazard is given;
+        NaN if unknown.
 
     Raises
     ------

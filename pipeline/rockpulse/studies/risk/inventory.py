@@ -2,7 +2,7 @@
 
 .. note:: A record with the value m of a measure is scaled by x/m to reach the level x, so its effective impulse on a
    body is S x/m, and the body overturns if that exceeds g tan(alpha)/p. With the mean and standard deviation of ln(S/m)
-   over records, equal for all earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
+   over records, with equal weight of earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
    tan(alpha)/p))/deviation. The mean of the records' probabilities assumes no distribution: P_r(x) is the probability
    at the scale factor x/m, which the spectrum S(p, C) of a record gives for any slender free body. The annual frequency
    is the mean of the records' frequencies, with equal weight of earthquakes.
@@ -67,7 +67,7 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the indices (bodies, records) of the stored levels between which, or nearest to which, a level is."""
+        """Return the indices (bodies, records) of the pairs of stored levels that enclose, or are nearest to, a level."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 

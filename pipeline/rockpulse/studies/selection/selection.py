@@ -269,6 +269,7 @@ def fitting_set(
 
 
 def _spread(ratios: np.ndarray) -> np.ndarray:
+    """Return the largest ratio over the periods divided by the smallest."""
     return np.asarray(ratios.max(axis=-1) / ratios.min(axis=-1))
 
 
@@ -289,7 +290,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Exchange single members, each time for the smallest spread, until none reduces it; return the members."""
+    """Exchange one member at a time, always for the smallest spread, until none reduces it; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

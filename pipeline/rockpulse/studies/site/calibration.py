@@ -117,7 +117,7 @@ class SiteCalibration(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays without rows, with the names, types and further dimensions of every part."""
+        """Arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
         return empty_spectrum_record()
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
