@@ -192,7 +192,7 @@ def assess_sequence(
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
-    refuse_floors(gathered, "a design sequence is a motion of the ground")
+    refuse_floors(gathered, "a design sequence is a ground motion")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):

@@ -42,8 +42,8 @@ def _run(args: argparse.Namespace) -> int:
     )
     tell(
         wrapped(
-            "obspy.read reads them too, in m/s2 with calib 1, except K-NET, miniSEED and SAC, which obspy reads "
-            "itself, in counts; it reads columns with format='COLUMNS', units='g' and, without times, dt=0.01."
+            "obspy.read reads these formats too, in m/s2 with calib 1. Exceptions are K-NET, miniSEED and SAC, which "
+            "obspy reads by itself, in counts. Columns need format='COLUMNS', units='g' and, without times, dt=0.01."
         )
     )
     tell(f"Units: {', '.join(UNITS)}.")

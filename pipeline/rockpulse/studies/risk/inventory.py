@@ -67,7 +67,7 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the indices (bodies, records) of the pairs of stored levels that enclose, or are nearest to, a level."""
+        """Return the index (bodies, records) of the lower of the two stored levels around, or nearest to, a level."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 

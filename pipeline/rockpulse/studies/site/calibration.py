@@ -105,7 +105,7 @@ class SiteCalibration(Analysis):
         self.lanes: Block | None = None
         if blocks:
             gathered = gather_bodies(blocks)
-            refuse_floors(gathered, "a site is calibrated on the motion of its ground")
+            refuse_floors(gathered, "a calibration uses the ground motion at the site")
             self.block_names, self.lanes, _ = gathered.apart()
         rule = config.calibration.weights
         self.weights = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
