@@ -72,7 +72,7 @@ def test_commands_follow_each_other_also_without_a_window(window):
         ({"check": {"ag": 0.2, "f0": 2.5}}, "T_C*: da indicare per questo spettro"),
         ({"check": {"ag": 0.2, "f0": 2.5, "spectrum": "en_1998_1"}}, "F_0: Questo spettro non lo prevede"),
         ({"records": {"components": "azimuth"}}, "direzioni: Indicare l'azimut"),
-        ({"records": {"azimuth": 45.0}}, "azimut di oscillazione: Vale solo per registrazioni ruotate"),
+        ({"records": {"azimuth": 45.0}}, "azimut di oscillazione: L'azimut vale solo per registrazioni ruotate"),
         ({"demand": [{"measure": "pga"}]}, "Indicare il valore della domanda."),
         ({"demand": [{"measure": "pgv", "value": "fast cm/s"}]}, "valore: occorre un numero positivo"),
         (
@@ -108,7 +108,7 @@ def test_notes_on_frequencies_are_translated():
             f"the band is too narrow: 5 earthquakes, 14 are needed; {lost}: they are left out of the band"
         )
         ends = reason_words("12% of its frequency comes from levels above 0.4 g, where the hazard curve ends")
-    assert narrow == "l'intervallo è troppo stretto: i terremoti sono 5, ne servono 14"
-    assert both.startswith(f"{narrow}; il 5 % dei ricampionamenti non dà una curva")
-    assert both.endswith(": non contribuiscono all'intervallo")
-    assert ends.startswith("il 12 % della frequenza proviene da livelli maggiori di 0,4 g")
+    assert narrow == "l'intervallo di confidenza è troppo stretto: i terremoti sono 5, ne servono 14"
+    assert both.startswith(f"{narrow}; ricampionamenti che non danno una curva")
+    assert both.endswith(": 5 % (non contribuiscono all'intervallo)")
+    assert ends.startswith("parte della frequenza dovuta a livelli maggiori di 0,4 g")

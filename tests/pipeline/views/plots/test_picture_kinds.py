@@ -126,10 +126,12 @@ def test_a_picture_is_drawn_in_the_language_that_is_written(assessed):
     with writing("it"):
         (ax,) = draw(assessed, "critical-scale", block="wall", model=["sequence", "nonlinear"]).axes
         assert {"0,5", "1", "10"} < {ax.xaxis.get_major_formatter()(value) for value in ax.get_xticks()}
-    assert ax.figure.get_suptitle() == "wall: fattore di scala di ciascuna registrazione per cui si ha il\nribaltamento"
+    assert (
+        ax.figure.get_suptitle() == "wall: per ciascuna registrazione, fattore di scala per cui si ha il\nribaltamento"
+    )
     assert in_legend(ax) == ["a sequenza di impulsi", "non lineare"]
     assert ax.get_xlabel() == "fattore di scala minimo per cui si ha il ribaltamento [-]"
-    assert small_print(ax).startswith("In ordine secondo il modello non lineare.")
+    assert small_print(ax).startswith("Registrazioni in ordine secondo il modello non lineare.")
 
 
 def test_the_tables_agree():

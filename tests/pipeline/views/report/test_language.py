@@ -133,7 +133,7 @@ def test_a_reason_keeps_its_place_and_values_and_what_was_typed():
         ),
         (
             f": plain columns do not state their unit; {GIVE_UNIT.advice(file)}",
-            ": le colonne non indicano la propria unità; indicarla con --units g",
+            ": le colonne non indicano la propria unità; indicare l'unità con --units g",
         ),
     )
     with writing("it"):
@@ -154,7 +154,7 @@ def test_stored_texts_are_translated_with_their_numbers():
         first, second = result_texts(warnings, codes).splitlines()
         steps = result_texts("\n".join(condition(record, highpass_hz=0.1, resample_s=0.005).processing)).splitlines()
         assert result_texts("una nota del committente, 0.5 m") == "una nota del committente, 0.5 m"
-    assert "-0,96 m/s, con una componente lenta (deriva) di 0,31 m/s" in first
+    assert "-0,96 m/s, la sua componente lenta (deriva) raggiunge 0,31 m/s" in first
     assert second == "HNE: tutti i campioni sono uguali: canale non funzionante"
     begins = "linea di base, linea di base, finestratura, filtro, ricampionamento"
     assert ", ".join(step.partition(":")[0] for step in steps) == begins

@@ -69,7 +69,7 @@ def test_no_table_without_ties_and_italian_numbers():
     with writing("it"):
         row, note = shown(STEEL, [0.0015, 0.001, 0.0], [1, 1, 0])
     assert row[2:5] == ["1,5", "1 %", "3"]
-    assert "l'ancoraggio deve sostenere 3 kN con un allungamento di 1,5 mm" in note
+    assert "l'ancoraggio deve resistere a 3 kN con un allungamento di 1,5 mm" in note
 
 
 def test_the_effect_of_crushing_on_the_angle_is_stated():
