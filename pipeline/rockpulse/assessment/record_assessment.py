@@ -195,7 +195,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return variables of the record's strength relative to each body, and of the share of motion beyond friction."""
+    """Return variables on the strength of the record relative to each body, and on the friction that it requires."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

@@ -257,7 +257,7 @@ def _weakest(answers: Answers) -> float:
 
 
 def weak(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records,): True if P = 0 and the record is too weak to lift any body; all False if all are."""
+    """Return a mask (records,): True if the record lifts no body and has P = 0; all False if no record lifts one."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.of_demand("demand_factor", demand)

@@ -67,8 +67,8 @@ VERB = Verb(
             ),
             **READING,
             "--response HOW": (
-                "conversion of counts with a StationXML to m/s2: division by the sensitivity, or removal of the full "
-                "response; default: sensitivity",
+                "how a StationXML is used to convert counts to m/s2: division by the sensitivity, or removal of the "
+                "full response; default: sensitivity",
                 {"choices": ("sensitivity", "remove"), "default": "sensitivity", "metavar": None},
             ),
             "--overwrite": "replace existing files, but never a file from which a record was read",

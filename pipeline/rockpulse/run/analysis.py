@@ -34,7 +34,7 @@ __all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "jo
 logger = logging.getLogger("rockpulse")
 #: Input of an analysis: channels, or the files, folders, globs and zip archives to read them from.
 Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLike[str]] | Iterable[Record]
-#: The arrays that one record adds to the results, by variable; the first dimension grows.
+#: The arrays that one record adds to the results, by variable; their first dimension grows with the records.
 Part = Mapping[str, np.ndarray]
 #: Function that measures the time of a named step: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[Any]]
@@ -54,8 +54,8 @@ class Plan:
 class Analysis(ABC):
     """Base class of an analysis: it computes a part of the results for every record, and combines the parts."""
 
-    name: ClassVar[str]  # name of the command, and stage in the rows of failures
-    doing: ClassVar[str]  # the command in a progress bar
+    name: ClassVar[str]  # name of the command, and stage of its failures in /failures
+    doing: ClassVar[str]  # what a progress bar says, such as "assessing"
     kind: ClassVar[str]  # kind of the results, an attribute of their root
     in_order_of_ids: ClassVar[bool] = True  # whether the records are sorted by id
     event_name: ClassVar[str] = "event"  # variable of a part with the earthquake of its record
@@ -72,7 +72,7 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def empty_part(self) -> Part:
-        """Return arrays without rows, with the names, types and further dimensions of every part."""
+        """Return arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
@@ -86,7 +86,7 @@ class Analysis(ABC):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the records to process and their earthquakes; raise ConfigError for equal ids or a wrong table."""
+        """Return the records to process and their earthquakes; ConfigError for equal ids or a wrong table."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:
@@ -121,7 +121,7 @@ class Analysis(ABC):
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """Return the part with a variable that contains the earthquake of its record."""
+        """Return the part with one more variable, which contains the earthquake `event` of its record."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
@@ -136,7 +136,7 @@ def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequenc
     kept = [one for one in plan.planned if not set(table).isdisjoint(of_motion[one.name])]
     rows = [*plan.failures, *idle]
     if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
-        reason = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+        reason = f"{len(unchosen)} of {len(of_motion)} records or pairs are not in the table: {some(unchosen, 3)}"
         rows.append(Failure(where, "select", reason, "skipped"))
     return replace(plan, planned=kept, failures=rows)
 
@@ -174,7 +174,7 @@ def _given(
     for item in every:
         if not isinstance(item, Record):
             raise ConfigError(
-                f"records: expected paths, or Records as rockpulse.read returns them, not both, found {item!r:.80}"
+                f"records: expected paths or Records as rockpulse.read returns them, but not both, found {item!r:.80}"
             )
     return every, list(failures)
 

@@ -1,4 +1,4 @@
-"""Writes the results file from the parts of the records, as a whole or not at all, with few of them in memory."""
+"""Writes the results file from the parts of all records, completely or not at all, with few parts in memory."""
 
 import os
 from collections import defaultdict
@@ -53,7 +53,7 @@ class JournalParts:
 
     journal: Journal
     analysis: Analysis
-    fingerprints: Mapping[str, str]  # by key of the finished tasks, in their order
+    fingerprints: Mapping[str, str]  # fingerprint of each finished task by its key, in the order of the rows
     events: Mapping[str, str]
     earlier: EarlierResults | None = field(default=None, kw_only=True)
 

@@ -30,7 +30,7 @@ logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
 Surveyed = tuple[list[Located], list[Failure], int]
-#: Smallest number of files or records per process; for fewer, threads of this process share the bodies of each.
+#: Smallest number of files or records per process; fewer are left to this process, whose threads share the bodies.
 ITEMS_PER_WORKER = 8
 
 
@@ -122,7 +122,7 @@ class _Batch:
     def run(self, paths: Paths) -> BatchReport:
         """Run the whole batch, from reading the files to writing the results."""
         output, options = self.output, self.options
-        # A resumed run may find its own file, even finished.
+        # A resumed run may find the output file that it has written before it stopped.
         check_target(output, options.overwrite or options.resume or options.append, self.analysis.kind)
         appends = run_to_append(output, self.analysis, options.overwrite) if options.append else ""
         if options.scheduler is not None:  # the workers run in other folders
@@ -136,7 +136,7 @@ class _Batch:
             try:
                 if self.worked(found, rows, resources):
                     return self.report
-            except RecordRefused:  # the records give no design
+            except RecordRefused:  # the records give no design spectrum
                 self.drop_empty_journal()
                 raise
             except BaseException as error:
@@ -165,7 +165,7 @@ class _Batch:
         return report
 
     def worked(self, found: list[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
-        """Process the records and write the results file; return True if an earlier run had already written it."""
+        """Process the records and write the results file; return True if an earlier run has already written it."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         going_on = (options.resume or options.append) and not options.overwrite
         run_id, before = run_of(output) if going_on else ("", "")
@@ -179,7 +179,7 @@ class _Batch:
         every, rows, unread = self.surveyed(pool, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
         read = [one.record.source for one in every] + [row.file for row in rows if row.kind != "failed"]
-        # An assessment needs what was planned only for a sweep: else the plan is emptied, and frees its memory.
+        # An assessment needs the planned records later only for a sweep; otherwise their list is emptied.
         swept = not isinstance(analysis, Assessment) or analysis.config.records.components == "sweep"
         planned = [*plan.planned] if swept else plan.planned
         self.tasks = packed_tasks(planned, every, analysis.config, analysis.name)
@@ -229,7 +229,7 @@ class _Batch:
         return resources.enter_context(WorkerPool.local(int(workers)))
 
     def surveyed(self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]) -> Surveyed:
-        """Empty `found`; return channels (no samples), failures, and the number of files that a resumed run reads."""
+        """Read all files and empty `found`; return channels, failures, and the number of files to read again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         located, rows, unread = list[Located](), list(failures), 0
         self.stop_at(rows)
@@ -293,7 +293,7 @@ class _Batch:
         with self.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
             for task, done in pool.run(work, missing):
                 if isinstance(done, WorkerLost):
-                    reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
+                    reason = f"{task.key}: {done.reason}, at every attempt; if memory ran out, use fewer workers"
                     lost[task.key] = [Failure(task.source, analysis.name, reason, "failed")]
                     logger.error("%s", reason)
                     self.stop_at(lost[task.key])
@@ -308,7 +308,7 @@ class _Batch:
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
     def finished(self) -> dict[str, str]:
-        """Return the fingerprint of each task, by key, whose results for the same files and options are stored."""
+        """Return the fingerprints, by key, of tasks whose results for the same files and options are stored."""
         before, kept = self.journal.finished(), () if self.earlier is None else self.earlier.rows
         return {
             task.key: task.fingerprint
@@ -326,10 +326,10 @@ class _Batch:
             return "nothing was finished yet"
         count = len(every.intersection(self.finished())) if self.tasks else len(every)
         if not count:
-            others = f"{journal.path} keeps {len(every)} records of other files or options"
+            others = f"{journal.path} keeps {len(every)} records from runs with other files or options"
             return f"nothing of this run was finished yet; {others}"
         are = f"{count} finished {'record is' if count == 1 else 'records are'}"
-        past = ", and without --strict past this failure" if strict else ""
+        past = ", and without --strict it goes on after this failure" if strict else ""
         return f"{are} kept in {journal.path}: the same command with --resume continues from there{past}"
 
     def drop_empty_journal(self) -> None:
@@ -337,7 +337,7 @@ class _Batch:
         others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
-            self.log_and_tell(f"{are}: give --resume with the paths of these")
+            self.log_and_tell(f"{are}: to continue with them, give --resume and their paths")
         elif 0 < len(self.finished()) < len(self.tasks):
             self.log_and_tell(self.kept())
         else:
@@ -370,7 +370,7 @@ class _Batch:
         self.options.tell(text)
 
     def stop_at(self, failures: Iterable[Failure]) -> None:
-        """With `strict`, raise StoppedAtFailure at the first failed row."""
+        """With the option `strict`, raise StoppedAtFailure if a row reports a failed file or record."""
         failed = [row for row in failures if row.kind == "failed"] if self.options.strict else []
         if failed:
             raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")

@@ -73,7 +73,7 @@ def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: b
     if overwrite:
         raise ResultsError(f"{path}: expected either append or overwrite, found both; leave one of them out")
     if not isinstance(analysis, Assessment):
-        raise ResultsError(f"{path}: append: only results of an assessment can be extended; leave it out")
+        raise ResultsError(f"{path}: append: only results of an assessment can be extended; leave append out")
     if not Path(path).is_file():
         raise ResultsError(f"{path}: append: there is no such file; leave --append out for the first run")
     return run_of(path)[0] or _unidentified(path)
@@ -121,7 +121,7 @@ def check_appends(path: str | os.PathLike[str], config: Config, verb: str) -> No
     if attrs[RUN_SETTINGS] == configuration_fingerprint(config, verb):
         return
     if attrs["rockpulse_version"] != __version__:
-        what = [f"rockpulse {attrs['rockpulse_version']} wrote it, this is version {__version__}"]
+        what = [f"it was written by rockpulse {attrs['rockpulse_version']}, and this is version {__version__}"]
     else:
         what = _differences(config_from_text(attrs["configuration"]), config, verb)
     what = what or ["the program, or the table of a [[demand]] selection, has changed"]
@@ -178,7 +178,7 @@ def _changed_keys(where: str, old: object, new: object, free: set[str]) -> list[
 def _blocks(
     keys: Sequence[str], rows: Mapping[str, range], events: Mapping[str, str]
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Join consecutive rows of tasks into groups of about ROWS; yield first row, end and earthquakes of each group."""
+    """Join consecutive rows of tasks into groups of about ROWS; yield the start, end and earthquakes of each group."""
     begin = end = 0
     named: list[str] = []
     for key in keys:
@@ -194,7 +194,7 @@ def _blocks(
 
 
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
-    """Return a function (group, dimension) that gives the first row of each record, and the end of the last record."""
+    """Return a function of a group and a dimension that returns the first row of each record and the last end."""
     count = file.dataset("summary").sizes["record"]
 
     @cache

@@ -83,7 +83,7 @@ class Frame(NamedTuple):
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
-    """Write a frame at a position of a file and onto the disk; if writing fails, no part of it remains in the file."""
+    """Write a frame at a position of a file and flush it to disk; if writing fails, the file ends at this position."""
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
     body = sum(map(len, parts))
@@ -100,7 +100,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames with undamaged heads, the end of the last frame, and the number of damaged places."""
+    """Return the frames whose heads are undamaged, the end of the last one, and the number of damaged places."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0

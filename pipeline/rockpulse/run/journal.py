@@ -64,7 +64,7 @@ def open_locked(path: Path) -> FileIO | None:
 
 
 def holder(path: Path) -> str:
-    """Return which process has locked a file, or an empty text if the operating system does not report it."""
+    """Return the process that has locked a file, or "another process" if the operating system does not report it."""
     table = Path("/proc/locks")
     if table.is_file():
         inode = str(path.stat().st_ino)
@@ -100,7 +100,7 @@ class JournalError(ResultsError):
 
 
 class Journal:
-    """The results of finished tasks, stored in a file; use as a context manager, made by :meth:`open`."""
+    """The results of finished tasks, stored in a file; :meth:`open` returns it for use in a ``with`` block."""
 
     def __init__(self, path: Path, file: FileIO) -> None:
         frames, self._end, self.gaps = frames_of(file)  # number of damaged places without a frame
@@ -124,8 +124,8 @@ class Journal:
         """Create the journal of a run next to its output, or open the journal of a stopped run, and lock it.
 
         `resume` keeps the finished tasks of a stopped run, `overwrite` deletes them; `appends` is the run_id of the
-        results file to which records are appended. Raises JournalError if the file is locked or no journal, or if it
-        exists and neither option is given.
+        results file to which records are appended. Raises JournalError if the file is locked or is not a journal, or
+        if it contains finished tasks and neither `resume` nor `overwrite` is given.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -218,8 +218,8 @@ class Journal:
         except OSError as error:
             raise JournalError(
                 f"{self.path}: cannot store the result of {done.key}: {error.strerror or error}; the "
-                f"{len(self.complete)} finished before are kept: free some disk space, then run the same command with "
-                "--resume"
+                f"{len(self.complete)} records finished before are kept: free some disk space, then run the same "
+                "command with --resume"
             ) from error
 
     def count(self, key: str) -> int:
@@ -250,7 +250,7 @@ class Journal:
         if not self.run_id and not MARK.startswith(begins):  # and not truncated within its first bytes
             if begins.startswith(MARK[:4]):
                 raise JournalError(
-                    f"{self.path}: the journal of a run of another version of rockpulse; resume the run with that "
+                    f"{self.path}: found the journal of another version of rockpulse; resume the run with that "
                     "version, or remove the file"
                 )
             raise JournalError(

@@ -43,7 +43,7 @@ class Once:
 
 
 class Reference:
-    """A short key that is sent instead of a function, if the process received this function last."""
+    """A short key that is sent instead of a function, if it is the function that the process received last."""
 
     def __init__(self, key: str) -> None:
         self.key = key
@@ -58,7 +58,7 @@ KEPT = 4
 
 
 def kept(key: str, packed: bytes = b"") -> Once:
-    """Return the function with a key; it is unpickled only if this process does not have it yet."""
+    """Return the function that has this key; it is unpickled only if this process does not have it yet."""
     found = _functions.get(key)
     if found is None:
         found = Once(pickle.loads(packed), key)
@@ -121,8 +121,8 @@ class WorkerProcesses(ThreadPoolExecutor):
     """An executor of new worker processes, each served by one thread of this process (docs/decisions/014-batch.md).
 
     A process is started if no other process is free, and is replaced if it dies. A future raises the error of the
-    function with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no process can
-    be started.
+    function, with the worker's traceback in its notes; :class:`WorkerDied` if the process has died; or
+    ``ChildProcessError`` if no process can be started.
     """
 
     def __init__(self, workers: int) -> None:
@@ -197,7 +197,7 @@ class WorkerProcesses(ThreadPoolExecutor):
             if code >= 0:
                 raise ChildProcessError(
                     f"a worker process {_fate(code)} while it started; its own message is above. A script that starts "
-                    'workers needs the line  if __name__ == "__main__":  before what it runs'
+                    'workers needs the line  if __name__ == "__main__":  before the code that it runs'
                 )
         raise ChildProcessError(
             f"a worker process {_fate(code)} while it started, {STARTS} times; is there enough memory?"

@@ -1,4 +1,4 @@
-"""First pass over the files: reads every file once, and keeps its records without samples and where the samples are."""
+"""First pass over the files: reads every file once, and keeps its records and the location of their samples."""
 
 import hashlib
 import logging
@@ -68,12 +68,14 @@ def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.nda
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Return every channel of a file; the last files are cached, as successive tasks often need the same file."""
+    """Return all channels of a file; the last two files are cached, as successive tasks often need the same file."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
     if member >= len(archive.names):
-        raise RecordRefused(f"{path}: the archive has lost members since the beginning of this run")
+        raise RecordRefused(
+            f"{path}: the archive contains fewer files than at the beginning of this run; run again with --resume"
+        )
     return tuple(read_source(archive.member(member), options))
 
 

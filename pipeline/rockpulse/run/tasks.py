@@ -68,7 +68,7 @@ class Task:
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read again the channels of this task, with their samples; raise the errors of `Located.read`."""
+        """Read the samples of all channels of this task again; raise the same errors as :meth:`Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (

@@ -1,4 +1,4 @@
-"""The workers of a batch: this process, local processes or a cluster. Items of workers that die are tried again."""
+"""The workers of a batch: this process, local processes or a cluster. Items whose worker dies are processed again."""
 
 import logging
 import pickle
@@ -26,7 +26,7 @@ ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
 #: Number of groups of items submitted per worker, so that no worker is idle while the parent writes; more on a cluster,
 #: where the transfer takes longer.
 AHEAD, AHEAD_ON_CLUSTER = 2, 4
-#: Time that a group of items should take on a cluster, as its scheduler distributes fewer than 200 groups a second [s],
+#: Time [s] that a group of items should take on a cluster, whose scheduler distributes fewer than 200 groups a second,
 #: and largest number of items of a group.
 GROUP_SECONDS, LARGEST_GROUP = 0.5, 128
 #: Interval between queries for the workers of a scheduler [s].
@@ -42,7 +42,7 @@ class WorkerLost:
 
 @dataclass(eq=False)
 class WorkerPool:
-    """The workers of a batch; use as a context manager, made by one of the class methods."""
+    """The workers of a batch; a class method creates the pool for use in a ``with`` block."""
 
     executor: Executor | None  # None for this process
     count: Callable[[], int]  # number of items processed at the same time
@@ -167,7 +167,7 @@ class WorkerPool:
 
 
 def _packed_call(packed: bytes) -> bytes:
-    """Run :func:`call` with pickled arguments and return its pickled result; dask does not look into bytes."""
+    """Run :func:`call` with pickled arguments and return its pickled result; dask does not inspect bytes."""
     return pickle.dumps(call(*pickle.loads(packed)), protocol=5)
 
 

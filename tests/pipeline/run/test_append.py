@@ -123,7 +123,7 @@ def test_another_version_and_a_changed_program_are_named(folder, tmp_path, monke
     with pytest.raises(ConfigError, match="computed differently: the program, or the table of a"):
         assess_files(folder, CONFIG, output, appending())
     monkeypatch.setattr("rockpulse.run.earlier_results.__version__", "9.9")
-    with pytest.raises(ConfigError, match=r"rockpulse \S+ wrote it, this is version 9.9"):
+    with pytest.raises(ConfigError, match=r"written by rockpulse \S+, and this is version 9.9"):
         assess_files(folder, CONFIG, output, appending())
 
 

@@ -236,7 +236,9 @@ def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_pat
     (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))
     paths = [folder / "r0.AT2", tmp_path / "still.AT2"]
     without_results(monkeypatch)
-    said = r"still.*; 2 finished records are kept in .*journal: .*--resume.*, and without --strict past this failure"
+    said = (
+        r"still.*; 2 finished records are kept in .*journal: .*--resume.*, and without --strict it goes on after this"
+    )
     for resume in (False, True):  # resumed, it stops where it stopped
         with pytest.raises(StoppedAtFailure, match=said):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1, strict=True, resume=resume))

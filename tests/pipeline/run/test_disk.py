@@ -30,7 +30,9 @@ def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed,
     change("size=400k")
     assert command(folder, target, "--quiet") == 2
     said = capsys.readouterr().err
-    kept = re.search(r"cannot store the result of r\d\.090: .*; the (\d) finished before are kept: free some", said)
+    kept = re.search(
+        r"cannot store the result of r\d\.090: .*; the (\d) records finished before are kept: free some", said
+    )
     assert 0 < int(kept[1]) < 8
     assert said.count("\n") == 1
     assert not target.exists()

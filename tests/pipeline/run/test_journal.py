@@ -188,7 +188,7 @@ def _of_another_version(path):
     ("make", "message"),
     [
         (_text, "found another file, which is not changed"),
-        (_of_another_version, "journal of a run of another version"),
+        (_of_another_version, "found the journal of another version"),
         (os.mkfifo, "expected a file, found a pipe"),
     ],
 )
@@ -277,7 +277,7 @@ def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
             patch.setattr(frames, "_write", fill)
             with pytest.raises(
                 ResultsError,
-                match=r"cannot store the result of b: No space.*; the 1 finished before are kept.*--resume",
+                match=r"cannot store the result of b: No space.*; the 1 records finished before are kept.*--resume",
             ):
                 journal.add(done("b", bytes(10_000_000)))
         assert journal_path(target).stat().st_size == size

@@ -76,7 +76,10 @@ def test_resuming_on_the_wrong_files_loses_nothing(stopped, tmp_path, monkeypatc
     given = ["--config", str(mine / "site.toml"), "-o", str(target), "--resume", "--workers", "1"]
     assert main(["assess", str(tmp_path / "wrong"), *given]) == 1
     said = capsys.readouterr().err
-    assert "results.h5.journal keeps 2 finished records of other files: give --resume with the paths of these" in said
+    assert (
+        "results.h5.journal keeps 2 finished records of other files: to continue with them, give --resume and their"
+        in said
+    )
     keys = redone(monkeypatch)
     assert command(mine, target, "--resume", "--quiet") == 0
     assert len(keys) == 2

@@ -41,7 +41,7 @@ def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
     (row,) = report.failures
     assert (report.records, report.broken_off) == (2, 1)
     assert (row.file, row.stage, row.kind) == (str(folder / "r1.AT2"), "assess", "failed")
-    assert "r1.090: the worker process was killed by signal 9 (Killed), each time it was tried" in row.reason
+    assert "r1.090: the worker process was killed by signal 9 (Killed), at every attempt" in row.reason
 
 
 def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypatch):
@@ -191,7 +191,7 @@ def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeyp
         with pytest.raises(run.Interrupted, match="1 finished record is kept"):
             assess_files(paths[:1], wider, output, BatchOptions(workers=1, resume=True))
         patch.setattr(run._Batch, "work", interrupted)
-        with pytest.raises(run.Interrupted, match=r"nothing of this run was finished yet; .* keeps 3 records of other"):
+        with pytest.raises(run.Interrupted, match=r"nothing of this run was finished yet; .* keeps 3 records from runs with other"):
             assess_files(folder / "other.AT2", CONFIG, output, BatchOptions(workers=1, resume=True))
 
 

@@ -132,7 +132,10 @@ def baseline_response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return the peak of x = theta/alpha after the record, and whether the block overturns, from x > 0 and u = x'/p."""
+    """Return the peak of theta/alpha in the free motion after the record, and whether the block overturns.
+
+    At the end of the record theta/alpha is `x` > 0, and its time derivative divided by p is `u`.
+    """
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

@@ -177,7 +177,7 @@ def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
     found = tree["fragility"].to_dataset().sel(block="wall", limit_state="overturning", measure="pga")
     assert found["observations"].item() == len(rows)
     failures = tree["failures"].to_dataset()
-    assert "2 of 10 motions are not in the table: r8, r9" in failures["reason"].values[0]
+    assert "2 of 10 records or pairs are not in the table: r8, r9" in failures["reason"].values[0]
     assert failures["kind"].values[0] == "skipped"
 
 
