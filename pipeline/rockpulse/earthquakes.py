@@ -24,7 +24,7 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return a mask (g, n) of the records that belong to each of g earthquakes, sorted by label."""
+    """Return a mask (g, n): row i is True for the records of earthquake i, in the order of the earthquakes' labels."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
@@ -51,7 +51,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends of the interval of the mean of the probabilities (g, ...) of g earthquakes; NaN if unknown.
+    """Return the ends of the 90 % interval of the mean of probabilities (g, ...) over g earthquakes; NaN is ignored.
 
     The Bayesian bootstrap (Rubin 1981, doi:10.1214/aos/1176345338) gives the earthquakes random weights, with two prior
     earthquakes of weight PRIOR, of probability 0 and 1, so that equal values do not give a certain mean. The ends are
@@ -163,7 +163,7 @@ def record_quantiles(
 
 
 def _interpolated(ordered: np.ndarray, below: np.ndarray, level: float) -> np.ndarray:
-    """Return the weighted quantile of ascending values (n,) in each of b resamples with cumulative weights (b, n)."""
+    """Return the quantile at probability `level` of ascending values (n,) in b resamples, given cumulative weights."""
     rows, most = np.arange(below.shape[0]), below.shape[1] - 1
 
     def start(place: np.ndarray) -> np.ndarray:

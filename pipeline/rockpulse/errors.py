@@ -42,7 +42,7 @@ class Remedy:
     choices: tuple[str, ...] = ()
 
     def advice(self, name: str = "") -> str:
-        """Return the advice that states what to do, for a message on the file `name`."""
+        """Return the text that states what to do, for a message about the file `name`."""
         first = "g" if "g" in self.choices else "".join(self.choices[:1])
         return _ADVICE[self.key].format(
             choices=", ".join(self.choices),
@@ -150,12 +150,12 @@ class StoppedAtFailure(RockpulseError):
     """
 
 
-#: Reason for skipping a file among the records that is a text, a table or a picture.
+#: Reason for skipping a file that is a text, a table or a picture and not a record.
 NO_RECORD = "no record"
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
 #: Pattern of a line number after the file name in a reason.
 _LINE = re.compile(r":\d+(?=: )")
-#: Pattern of the id of a record before a reason; an id contains a full stop and no blank.
+#: Pattern of the id of a record at the start of a reason; an id contains a full stop and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Number of files named as examples for a reason that several files share.
 _EXAMPLES = 10

@@ -147,7 +147,7 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
 
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
-    """Declare a key that accepts a finite number within limits in `unit`; `above` excludes `low` itself."""
+    """Declare a key that accepts a finite number [`unit`] from `low` (above `low` if `above` is true) to `high`."""
     positive = bool(unit) and above and low == 0.0
     expected = "a positive number" if positive else "a number"
     expected += f" of {_UNIT_NAMES[unit]}" if unit in _UNIT_NAMES else f" in {unit}" * bool(unit)
@@ -175,7 +175,7 @@ def entries(cls: type[Section]) -> Any:
     def accepts(value: Any) -> bool:
         return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)
 
-    made = KeyType(f"a list of {cls.__name__}, each of them {cls.heading}", accepts, tuple)
+    made = KeyType(f"a list of {cls.__name__}, in TOML {cls.heading}", accepts, tuple)
     return dataclasses.field(default=(), metadata={"values": made, "entries": cls})
 
 

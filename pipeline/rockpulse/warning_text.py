@@ -58,7 +58,7 @@ WARNINGS = {
     "[conditioning] baseline to keep the offset or to remove it in another way",
     "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, its slow drift reaches "
     "{slow:.3g} m/s, and the PGV of {pgv:.3g} m/s may be wrong by as much; compare with another "
-    "[conditioning] baseline or a highpass_hz",
+    "[conditioning] baseline, or with a high-pass filter (highpass_hz)",
     "start_assumed": "both channels are assumed to start together; their files state no times",
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
@@ -68,7 +68,7 @@ WARNINGS = {
     # the vertical channel of a record
     "vertical_acceleration": "vertical acceleration: {record}",
     "vertical_missing": "no vertical channel of this station overlaps in time: its acceleration is taken as zero",
-    "vertical_start_assumed": "vertical channel: assumed to start with this one; the files state no times",
+    "vertical_start_assumed": "vertical channel: assumed to start together with this channel; the files state no times",
     "vertical_short": "vertical channel: its acceleration is taken as zero in the {missing:.4g} s that it does not "
     "cover",
     # a design sequence
@@ -110,8 +110,8 @@ STATEMENTS = {
     "one_record_not_reached": "no curve: only one record (limit state not reached at {levels}); at least two are "
     "needed for a dispersion",
     "nothing_reached": "no curve: none of {records} reached the limit state, at levels up to {level:.3g}",
-    "nothing_reached_between": "no curve: none of {records} reached the limit state, at levels up to {low:.3g} to "
-    "{high:.3g}",
+    "nothing_reached_between": "no curve: none of {records} reached the limit state, although their highest levels are "
+    "{low:.3g} to {high:.3g}",
     "everything_reached": "no curve: the limit state was reached by each of {records} at every level, from "
     "{level:.3g}; add lower levels",
     "one_reached": "no curve: only one of {records:d} records reached the limit state (at {levels}); at least two are "

@@ -60,7 +60,7 @@ def said(place, monkeypatch, capsys):
     monkeypatch.chdir(place)
     parser, load = cli.build_parser(), results_file.load_tree
     results = load("results.h5")
-    monkeypatch.setattr(cli, "build_parser", lambda: parser)
+    monkeypatch.setattr(cli, "build_parser", lambda given: parser)
     monkeypatch.setattr(results_file, "load_tree", lambda path: results if str(path) == "results.h5" else load(path))
 
     def said(arguments):

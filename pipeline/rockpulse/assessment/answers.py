@@ -1,4 +1,7 @@
-"""The results of one model for every body under every record, and the safety margin of each body."""
+"""The results of one model for every body under every record, and the safety margin of each body.
+
+A "motion" is a record, or a pair of channels if it is assessed in several directions, each of which is then a record.
+"""
 
 import math
 from dataclasses import dataclass
@@ -23,20 +26,20 @@ class Share(NamedTuple):
     value: float
     low: float  # ends of the 90 % interval
     high: float
-    least: float  # value if no record without a result overturns the body
-    most: float  # value if every record without a result overturns the body
+    least: float  # value if the records without a result do not overturn the body
+    most: float  # value if all records without a result overturn the body
     unknown: int  # number of records without a result
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The records, or pairs of channels, of the results ("motions"), and means over their earthquakes."""
+    """The motions of the results (records, or pairs of channels), and means over their earthquakes."""
 
     names: list[str]  # ids of records or names of pairs
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # whether the mean over the directions of a pair is used (bodies of unknown direction)
+    any_azimuth: bool = False  # whether P of a pair is the mean over its directions (unknown direction of bodies)
 
     @property
     def event_count(self) -> int:
@@ -44,7 +47,7 @@ class Motions:
         return len({*self.events} - {UNKNOWN}) or len({*self.events})
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Return a mask (motions, bodies): True unless all directions of the record or pair are in `left_out`."""
+        """Return a mask (motions, bodies): True unless all directions of the motion are in the mask `left_out`."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
@@ -65,7 +68,7 @@ class Motions:
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean (earthquakes, ...) over the records of each earthquake, without unknown values (NaN)."""
+        """Return the mean (earthquakes, ...) over the motions of each earthquake; unknown values (NaN) are ignored."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         # The counts of a body are those of the next one, if the same results of both are known.
@@ -75,7 +78,7 @@ class Motions:
             return np.asarray(np.tensordot(own, np.where(known, values, 0.0), 1) / counts)
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
-        """Return the mean probability of overturning of each body, from its probabilities (records, bodies).
+        """Return, for each body, the mean over earthquakes of the probability of overturning (records, bodies).
 
         Records or pairs with all directions in `left_out` (records, bodies) are excluded. The interval applies to
         other earthquakes of the same kind (:func:`rockpulse.earthquakes.probability_interval`).
@@ -99,7 +102,7 @@ class Motions:
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """Return the mean over earthquakes of values (earthquakes, ...), without unknown values (NaN)."""
+    """Return the mean over earthquakes of values (earthquakes, ...); unknown values (NaN) are ignored."""
     known = ~np.isnan(values)
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sum(values, axis=0, where=known) / known.sum(axis=0))
@@ -126,7 +129,7 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """Smallest and median scale factor over the records, or their ratio to a demand [-]; inf if none was found."""
+    """Smallest and median scale factor that overturns a body, or their ratio to a demand [-]; inf if none was found."""
 
     smallest: float
     median: float
@@ -140,7 +143,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The results of one model, read on demand; `answers[name]` is an array over records and, mostly, bodies."""
+    """The results of one model; `answers[name]` is a variable as array over records and, for most variables, bodies."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -184,7 +187,7 @@ class Answers:
 
     @property
     def searched(self) -> bool:
-        """True if smallest scale factors of overturning were searched with the model."""
+        """True if scale factors at which bodies overturn were searched for with the model."""
         return not bool(np.isnan(self["safety_factor"]).all())
 
     @cached_property
@@ -194,7 +197,7 @@ class Answers:
 
     @property
     def factor(self) -> str:
-        """Name of the variable used as the scale factor of each body."""
+        """Name of the variable that is used as scale factor: "factor_10" if probable, otherwise "safety_factor"."""
         return "factor_10" if self.probable else "safety_factor"
 
     @property
@@ -204,7 +207,7 @@ class Answers:
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies) of scale factors that are lower bounds, because the model gives no result there."""
+        """Mask (records, bodies): True if the scale factor is a lower bound, as the model gives no result there."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
@@ -219,18 +222,18 @@ class Answers:
 
     @property
     def unresolved(self) -> list[int]:
-        """Number of records or pairs, for each body, without a result in at least one direction."""
+        """For each body, the number of motions without a result in at least one direction."""
         silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factor (records, bodies) up to which no overturning was found, or its ratio to a demand."""
+        """Return the scale factors (records, bodies) up to which no body overturns, or their ratio to a demand's."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.of_demand("demand_factor", demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies), or their ratio to the scale factors for a demand."""
+        """Return the scale factors (records, bodies), or their ratio to the scale factors to a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -243,7 +246,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest scale factor over directions, and its row in /summary (-1 if unknown); both (motions, bodies)."""
+        """Smallest scale factor of each motion, and its row in /summary (-1 if unknown); both (motions, bodies)."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -251,7 +254,7 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (motions, bodies) to (motions, blocks); `worst` selects among the restitutions of a block."""
+        """Reduce a table (motions, bodies) to (motions, blocks); `worst` combines the restitutions of a block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
@@ -261,13 +264,13 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or record, as a scale factor or as its ratio to a demand.
+        """Return the margin of every body, block or motion, as a scale factor or as its ratio to that of a demand.
 
-        For margins of bodies, records or pairs with all directions in `left_out` (records, bodies) are excluded.
+        For margins of bodies, motions with all directions in `left_out` (records, bodies) are excluded.
         """
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
-        # Lower bound and upper bound of each scale factor, and end of the search.
+        # Lower and upper bound of each scale factor, and scale factor at which the search ended.
         least, most = (np.fmin.reduce(values, axis=1) for values in (ratio, np.where(bound, np.inf, ratio)))
         reached = np.fmin.reduce(self.motions.over(self.proven(demand), np.nan), axis=1)
         partial = np.isnan(ratio).any(axis=1)
@@ -303,7 +306,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable for one model; its last dimensions are bodies and, for some variables, demands."""
+    """Return a stored variable of one model, over records, bodies and, if it has them, demands and ties."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -334,13 +337,13 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Return the smallest scale factor at which a search ended without overturning; NaN if every search found one."""
+    """Return the smallest scale factor at which a search ended without overturning; NaN if all found overturning."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column of the given tables, which have a row for each record or pair."""
+    """Return the margin of every column of the given tables, which have a row for each motion."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)

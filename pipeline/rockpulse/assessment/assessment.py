@@ -107,7 +107,7 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays without rows, with the names, types and further dimensions of every part."""
+        """Arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
         return empty_rows(self.bodies, self.config)
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
@@ -137,7 +137,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; raise ValueError without an intense phase, or if a model rejects it."""
+    """Assess all bodies under one record; ValueError if it has no intense phase, or if a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
@@ -192,7 +192,7 @@ def assess_sequence(
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
-    refuse_floors(gathered, "a design sequence is a motion of the ground")
+    refuse_floors(gathered, "a design sequence is a ground motion")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):

@@ -33,11 +33,11 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: Variables of the nominal body, taken from the direction of fall with the larger rotation, not higher probability.
+#: Variables that are taken from the direction of fall with the larger rotation; others, from that with the higher P.
 NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *OF_TIES)
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
-#: Number of blocks marched in the second stage of a spectrum that many bodies share, at each frequency parameter.
+#: Number of blocks computed in the second stage of a spectrum that many bodies share, at each frequency parameter.
 SHARED_LANES = 3200
 
 
@@ -46,9 +46,9 @@ def record_probability(
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
-    Every variable of PROBABILITY and AT_DEMAND has a value for each block; NaN without a probability, or if the scale
-    factor for the demand is too large or small. The scale factor makes the mean intensity of `channels`, or of the
-    record, equal to the demand.
+    Every variable of PROBABILITY and AT_DEMAND has a value for each block; NaN if no probability is computed, or if the
+    scale factor to the demand is too large or small. With this scale factor the geometric mean of the intensities of
+    `channels`, or the intensity of the record if there are none, is equal to the demand.
     """
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -74,7 +74,7 @@ def _near(factors: np.ndarray, config: Config) -> np.ndarray:
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return results (bodies, demands) of the nominal bodies under the record times `factors`, if `near` is True."""
+    """Return results (bodies, demands) of nominal bodies under the record scaled by `factors`, only if `near`."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
     found |= _no_ties((*near.shape, bodies.tie_count))
@@ -99,7 +99,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
 
 
 def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the variables of the ties of a body, from its largest rotation about each corner."""
+    """Return the variables of a body's ties, from the largest rotation of the body about each corner."""
     assert restraints is not None
     demand, ultimate = restraints.tie_demand(rotation), np.array([tie.ultimate for tie in restraints.ties])
     share = np.where(np.isfinite(ultimate), demand.elongation / np.where(np.isfinite(ultimate), ultimate, 1.0), np.nan)
@@ -107,9 +107,9 @@ def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, n
 
 
 def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
-    """Return the share of each block's motion that requires more than its friction, under the record times `factors`.
+    """Return the share of each block's motion that requires more friction than it has, at given scale factors.
 
-    NaN without friction or a factor, and for blocks beside a wall or with ties, loads or thrusts.
+    NaN if the friction or scale factor is unknown, and for blocks beside a wall or with ties, loads or thrusts.
     """
     friction, record = np.repeat(bodies.friction, bodies.cases), scene.record
     found = np.full(friction.shape, np.nan)

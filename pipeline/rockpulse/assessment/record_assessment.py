@@ -34,12 +34,12 @@ class ModelRows(NamedTuple):
     block: np.ndarray  # body of each row
     case: np.ndarray  # index of the restitution of each row
     source: Any  # object with the values of the rows
-    cycle: np.ndarray  # index of the half-cycle of each row, from 0; empty in other tables
+    cycle: np.ndarray  # index of the half-cycle of each row, from 0; empty in tables without half-cycles
 
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The responses of all bodies to one record; each restitution of a body has its own index (lane)."""
+    """The responses of all bodies to one record; a lane is the index of one body with one of its restitutions."""
 
     scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
@@ -127,7 +127,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join a table of all parts into one table, in the order of the bodies and restitutions."""
+        """Return the named table joined from all parts, in the order of the bodies and restitutions."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -153,7 +153,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies under the same motion; `stronger` is the peak of this motion over that of the ground motion."""
+    """Assess bodies with the same base motion; `stronger` is its largest acceleration divided by the PGA."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
@@ -195,7 +195,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return the strength of the motion relative to each body, and the share of it that exceeds the body's friction."""
+    """Return variables of the record's strength relative to each body, and of the share of motion beyond friction."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

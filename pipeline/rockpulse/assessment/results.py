@@ -74,16 +74,18 @@ class Results(Shown):
         -------
         pandas.DataFrame
             One row for each body, or for each restitution of a body that has several. All columns refer to the records
-            scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "rocks", "may
-            overturn", "not known", "slides first" or "overturns"; it is empty without a demand or with fewer than five
-            `earthquakes`. `probability` is the mean probability of overturning over earthquakes [-], with its 90 %
-            interval (`low`, `high`). `smallest` is the smallest scale factor at P = 10 % of all records (or else safety
-            factor), at a demand divided by the scale factor of the demand; `governing` is the record with this factor,
-            or empty. `motions` is the number of counted motions, `overturned` of those that overturn the nominal body;
-            `left_out` of motions that cannot be scaled to the demand, `weak` of motions that lift no body.
+            scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "not
+            lifted", "rocks", "rocks, no margin", "may overturn", "not known", "slides first" or "overturns"; it is
+            empty without a demand or with fewer than five `earthquakes`. `probability` is the mean probability of
+            overturning over earthquakes [-], with its 90 % interval (`low`, `high`). `smallest` is the smallest scale
+            factor at P = 10 % over the records, or safety factor if there is no P; at a demand it is divided by the
+            scale factor to the demand. `governing` is the record with this factor, or empty. A motion is a record or a
+            pair of channels: `motions` is the number of motions on which the verdict is based, `overturned` the number
+            of these that overturn the nominal body, `left_out` the number of motions that cannot be scaled to the
+            demand, and `weak` the number of motions that lift no body.
             `median_rotation` and `largest_rotation` are the median and largest rotation of the nominal body over
             alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning. `sliding`
-            is the largest share of a motion that requires more than the friction of the body [-], NaN if unknown.
+            is the largest share of a motion that requires more friction than the body has [-], NaN if unknown.
 
         Raises
         ------
@@ -128,12 +130,13 @@ class Results(Shown):
         Returns
         -------
         pandas.DataFrame
-            One row for each body: the `smallest` and the `median` over the motions of the factor at which the
-            probability of overturning is 10 %, or else of the safety factor [-]; inf if no such factor was found, NaN
-            if it is unknown. `smallest_is_bound` and `median_is_bound` mark lower bounds, at which the model gives no
-            result; `searched_up_to` is the end of the search if no factor was found. `motion` is the record, or the
-            pair of channels, with the smallest factor; `unknown` is the number of motions without a result. Motions
-            that do not count in the verdict (too weak, too far from the demand) are left out.
+            One row for each body: the `smallest` and the `median` scale factor at P = 10 % over the motions (records or
+            pairs of channels), or safety factor without P, divided by the scale factor to the demand if there is one
+            [-]; inf if no such scale factor was found, NaN if it is unknown. `smallest_is_bound` and `median_is_bound`
+            mark lower bounds, at which the model gives no result; `searched_up_to` is the end of the search if no scale
+            factor was found. `motion` is the motion with the smallest scale factor; `unknown` is the number of motions
+            without a result. Motions that are not used for the verdict (too weak, or too far from the demand) are left
+            out.
 
         Raises
         ------

@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return each floor and direction of bodies, with their indices; RecordRefused if a needed channel is missing."""
+    """Return each floor and direction with the indices of its bodies; RecordRefused if a channel is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -77,7 +77,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     if others and pair is None:
         raise RecordRefused(
             f"{record.id}: it has no second horizontal channel, and its azimuth is {azimuth:g} degrees: it cannot be "
-            f"rotated to the direction {others[0].azimuth:g} of a body"
+            f"rotated to the direction of a body, {others[0].azimuth:g} degrees"
         )
     return found
 
@@ -113,7 +113,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Join the responses of groups of bodies; of the histories of a group, every `steps`-th sample is kept."""
+    """Join the responses of groups of bodies; only every `steps[i]`-th sample of the histories of group i is kept."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks with the sides to which they may fall under a record; if both are possible, a mirrored block is added."""
+    """Blocks, each with the side to which it may fall under a record; a block with both sides has a mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
@@ -166,13 +166,13 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return the signs with which a record acts on a body that falls to `facing`: 1 or -1 along it, both across it."""
+    """Return (1,) if the direction of a record is `facing`, (-1,) if it is opposite, (1, -1) if it is in between."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
 
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
-    """Return the blocks of bodies with their possible sides under a record; with `step`, only every `step`-th block."""
+    """Return the blocks of bodies, or every `step`-th block, with the sides to which they may fall under a record."""
     lanes = bodies.lanes.take(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):

@@ -21,7 +21,7 @@ from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
 
-#: alpha of the blocks that represent all slender ones [rad]; capacity/(g tan(alpha)/p) does not depend on it.
+#: Critical angle of the blocks that represent all slender blocks [rad]; capacity/(g tan(alpha)/p) is independent of it.
 ALPHA = 0.1
 
 
@@ -108,9 +108,9 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """Return the arrays that a file stores for a spectrum, by name of the variable, at nominal restitutions.
+    """Return the arrays of a spectrum that a file stores, by name of the variable, at nominal restitutions.
 
-    `rotation_spectrum` is NaN if the lanes hold only verdicts.
+    `rotation_spectrum` is NaN if the spectrum was computed without rotations.
     """
     if np.any(outside := ~covered_range(restitution, spectrum.uncertainty, spectrum.lanes.between)):
         # The spectrum covers neither wide ranges around a low C, nor narrow ranges.

@@ -32,7 +32,7 @@ def direction_statistics(
     pairs: Mapping[str, Sequence[str]],
     with_probability: bool = False,
 ) -> xr.Dataset:
-    """Compute the group /directions: statistics over the directions of each pair; `pairs` has their record ids."""
+    """Compute the group /directions: statistics over the directions of each pair; `pairs` lists its record ids."""
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
@@ -52,7 +52,7 @@ def direction_statistics(
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
     over = swept("outcome") == Outcome.OVERTURNS
-    # If several directions overturn, the one that overturns first counts.
+    # If a body overturns in several directions, the one in which it overturns first counts.
     first = np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
     largest, at = largest_over(peaks, first)
     smallest, factor_at = smallest_over(factors)
@@ -82,7 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1 and its index, or -1; among several inf, the one with smallest `first`."""
+    """Return the largest value over axis 1 and its index, -1 if NaN; of several inf, that with the smallest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -112,7 +112,7 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """Return the tree of results from the parts of all records; `swept` has the record ids of each rotated pair."""
+    """Return the tree of results from the parts of all records; `swept` lists the record ids of each rotated pair."""
     arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(bodies, config).items():
@@ -141,7 +141,7 @@ def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
 
 
 def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
-    """Return the variables that grow with the records, as empty arrays by path."""
+    """Return, by path, an empty array for each variable that has rows for every record."""
     return {
         path: _absent(one, 0, bodies, config)
         for path, one in _variables(bodies, config).items()

@@ -1,4 +1,8 @@
-"""The verdict on every body over all records, from its probability of overturning."""
+"""The verdict on every body over all records, from its probability of overturning.
+
+A "motion" is a record, or a pair of channels if it is assessed in several directions. It counts for the verdict, unless
+it cannot be scaled to the demand, or lifts no body.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -27,7 +31,7 @@ WEAK = 0.64
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
-#: Verdicts whose name alone is not clear.
+#: Words for verdicts whose name alone is not clear.
 _WORDS = {"no_margin": "rocks, no margin"}
 
 
@@ -68,8 +72,8 @@ class Finding:
     median_rotation: float  # median over the motions of the peak rotation over alpha_c; inf if overturning
     largest_rotation: float  # largest peak rotation over alpha_c; inf if a motion overturns the body
     others_rotation: float  # largest peak rotation over alpha_c under motions that do not overturn the body
-    margin: Margin  # scale factor on the record, or divided by the scale factor of the demand
-    sliding: float  # largest share of a motion that requires more than the friction of the body; NaN if unknown
+    margin: Margin  # scale factor, divided by the scale factor to the demand if there is one
+    sliding: float  # largest share of a motion that requires more friction than the body has; NaN if unknown
     slides_first: bool  # whether the body slides before it rocks
     governing: int  # row of the most severe record in /summary; -1 if there is none
 
@@ -142,7 +146,7 @@ def standings(answers: Answers) -> np.ndarray:
     return found
 
 
-#: Verdicts that were found before: a view needs them several times.
+#: Verdicts that were computed before, as a view needs them several times.
 _FOUND: WeakKeyDictionary[Answers, list[BodyVerdict]] = WeakKeyDictionary()
 
 
@@ -170,7 +174,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """Return the verdict for a probability; NOT_KNOWN if the records without a result could change it."""
+    """Return the verdict for P, at most MAY_OVERTURN if P is a bound; NOT_KNOWN if missing results could change it."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
@@ -253,7 +257,7 @@ def _weakest(answers: Answers) -> float:
 
 
 def weak(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records,) of records too weak to lift any body, with P = 0; none is marked if all are too weak."""
+    """Return a mask (records,): True if P = 0 and the record is too weak to lift any body; all False if all are."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.of_demand("demand_factor", demand)
@@ -329,7 +333,7 @@ def slides_first(answers: Answers) -> np.ndarray:
 
 
 def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
-    """Return, for each body, the largest share of its motion under a record in `kept` that exceeds its friction."""
+    """Return the largest share of each body's motion, under motions in `kept`, that needs more friction than it has."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
     shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)

@@ -1,10 +1,10 @@
-"""The verbs of the command line: each module defines one as ``VERB``, and imports what it needs when it runs."""
+"""The commands of rockpulse (verbs): each module defines one as ``VERB``, and imports what it needs when it runs."""
 
 from importlib import import_module
 
 from rockpulse.commands.parser import Verb
 
-#: Modules of the verbs in the order of the help.
+#: Modules of the commands, in the order of the help.
 _MODULES = """assess inspect plot report export diff verify calibrate select fragility risk check init_config formats
 convert selftest app completion"""
 

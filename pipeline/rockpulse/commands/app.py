@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
     try:
         serve(folder, args.port, not args.no_browser, 60.0 * args.close_after, tell)
-    except KeyboardInterrupt:  # the usual end
+    except KeyboardInterrupt:  # the usual way to stop the server
         return 0
     return 0
 
@@ -45,17 +45,20 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="app",
     summary="open a local page for records, bodies, site and results",
-    description="Serve a page to the browser of this machine, on which records are dropped, bodies and site are "
-    "entered, and results and report are shown. The folder keeps site.toml, the records and the results, with which "
+    description="Serve a page to the browser of this machine, on which you drop records, enter bodies and the site, "
+    "and see results and report. The folder keeps site.toml, the records and the results, with which "
     "the other commands give the same numbers. Nothing is sent to another machine. Needs the extra app: pip install "
     "'rockpulse[app]'.",
     options=(
         {
-            "FOLDER": ("folder of the project, made if missing; default: this folder", {"nargs": "?", "default": "."}),
-            "--no-browser": "print the address, and open no browser",
+            "FOLDER": (
+                "project folder, created if missing; default: this folder",
+                {"nargs": "?", "default": "."},
+            ),
+            "--no-browser": "print the address, without opening a browser",
             "--port N": ("port of the server; default: a free one", {"type": _port, "default": 0}),
             "--close-after MINUTES": (
-                "end this time after the page was closed; default: %(default)g",
+                "time after the page was closed at which the server ends; default: %(default)g",
                 {"type": _minutes, "default": 10.0},
             ),
         },

@@ -1,4 +1,4 @@
-"""``rockpulse completion``: print a shell script that completes verbs, options, kinds and file names."""
+"""``rockpulse completion``: print a shell script that completes commands, options, kinds of pictures and file names."""
 
 import argparse
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ HOW = {
     "powershell": "rockpulse completion powershell >> $PROFILE",
 }
 
-#: Metavariables of the help that are file names.
+#: Placeholders in the help (metavariables) that stand for file names.
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )
@@ -51,8 +51,8 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 VERB = Verb(
     name="completion",
     summary="print a script for shell completion",
-    description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
-    "The examples show where to put it; it takes effect in the next shell.",
+    description="Print a script with which a shell completes commands, options, kinds of pictures, units and file "
+    "names. The examples show where to put it; it takes effect in the next shell.",
     options=({"shell": ("shell that reads the script", {"choices": tuple(HOW), "metavar": None})},),
     run=_run,
     examples=tuple(HOW.values()),

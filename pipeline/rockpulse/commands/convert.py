@@ -20,7 +20,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.text.left_out import rows_not_used
 
     options = reading_options(args)
-    writer = check_output(args.output, args.format)  # reports a name without a known format before reading
+    writer = check_output(args.output, args.format)  # rejects unknown formats before files are read
     with progress_bars(args.quiet)(desc="reading", unit=" files") as bar:
         records, failures = read_all(
             args.paths, options.units, on_file=lambda *_: bar.update(), dt=options.dt, response=args.response
@@ -54,8 +54,8 @@ VERB = Verb(
     name="convert",
     summary="convert records to AT2, CSV or miniSEED",
     description="Read records of any supported format and write them in a format that other programs read. Samples are "
-    "written as they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled "
-    "when they were read. The warnings of each record, and what the new format cannot hold, are printed.",
+    "written as they were read, in m/s2 or g: nothing is corrected or filtered; only traces with unequal steps are "
+    "resampled when they are read. The warnings of each record, and what the new format cannot store, are printed.",
     options=(
         {
             "PATHS": ("files, folders, zip archives or patterns of records", {"nargs": "+"}),
@@ -71,7 +71,7 @@ VERB = Verb(
                 "response; default: sensitivity",
                 {"choices": ("sensitivity", "remove"), "default": "sensitivity", "metavar": None},
             ),
-            "--overwrite": "replace existing files; never one that a record was read from",
+            "--overwrite": "replace existing files, but never a file from which a record was read",
             "--quiet": QUIET,
         },
     ),

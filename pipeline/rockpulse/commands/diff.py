@@ -46,7 +46,7 @@ VERB = Verb(
                 "absolute tolerance, in the unit of each variable; default: %(default)g",
                 {"type": _tolerance, "default": 0.0},
             ),
-            "--ignore VARIABLE ...": "do not compare this variable, by its name or as in the output (/summary/pga); "
+            "--ignore VARIABLE ...": "do not compare this variable, given by its name or its path (/summary/pga); "
             "repeatable",
             "--limit N": (
                 "list at most N changed verdicts, and scale factors and capacities that crossed 1; default: 3, with "

@@ -40,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """Return a sentence with the demands of the results if the table has no column for them; otherwise ""."""
+    """Return a sentence with the demands of the results if the table has no column for them, otherwise no text."""
     from rockpulse.assessment.site_demands import stored_demands
 
     if "demand_acceleration" not in table.left_out:
@@ -67,7 +67,7 @@ VERB = Verb(
             "--group NAME": "group of the file, such as half_cycles, overturning_intervals, directions, failures or "
             "records; default: the group with the results (summary)",
             "--rows DIM[,DIM]": "dimensions of a row, such as record or record,block; default: record,block,model",
-            "--columns NAME[,NAME]": "variables to write in addition to the names; default: all",
+            "--columns NAME[,NAME]": "variables to write beside the names of record, block and model; default: all",
             "--record ID ...": "only this record (* and ? are wildcards); repeatable",
             "--block NAME ...": "only this body (* and ? are wildcards); repeatable",
             **SELECTION,

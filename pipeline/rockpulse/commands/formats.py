@@ -42,8 +42,8 @@ def _run(args: argparse.Namespace) -> int:
     )
     tell(
         wrapped(
-            "obspy.read reads them too, in m/s2 with calib 1, except K-NET, miniSEED and SAC, which obspy reads "
-            "itself, in counts; it reads columns with format='COLUMNS', units='g' and, without times, dt=0.01."
+            "obspy.read reads these formats too, in m/s2 with calib 1. Exceptions are K-NET, miniSEED and SAC, which "
+            "obspy reads by itself, in counts. Columns need format='COLUMNS', units='g' and, without times, dt=0.01."
         )
     )
     tell(f"Units: {', '.join(UNITS)}.")
@@ -53,8 +53,8 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="formats",
     summary="list the file formats",
-    description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
-    "volumes, and the units that can be given for those that state none.",
+    description="List the formats that are read, how they are recognised, their unit, whether their records "
+    "are corrected, and the units that can be given for formats that state none.",
     options=(),
     run=_run,
     examples=("rockpulse formats",),

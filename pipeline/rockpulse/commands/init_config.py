@@ -76,7 +76,7 @@ VERB = Verb(
     name="init-config",
     summary="write a configuration with every key explained",
     description="Print a configuration with every key, its default and its meaning, or write it to a new file. "
-    "With --bodies, a table with a row for each body.",
+    "With --bodies, write a table with a row for each body instead.",
     options=(
         {
             "--bodies": "write a table of bodies (CSV) in place of the configuration",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other verbs, recognised by a group that only they contain: description, and module that prints them.
+#: Files of other commands, by a group that only they contain: description, and module that prints them.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 #: Options that request a list of results.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
@@ -68,7 +68,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
-    """Return the facts of the selected record or body, or a list of results if a pattern matches several of them."""
+    """Return the facts of the selected record or body, or a list of results if a pattern selects several."""
     from rockpulse.storage.export.row_selection import positions_matching
     from rockpulse.views.text.overview import block_details, record_details
 
@@ -106,7 +106,8 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     if asked or (args.failures and not listed):
         options = ", ".join(f"--{option}" for option in asked or ["failures"])
         raise ResultsError(
-            f"{args.results}: {options}: only for results of 'rockpulse assess'; {said}, which inspect shows in full"
+            f"{args.results}: {options}: only for results of 'rockpulse assess'; {said}, which is shown in full "
+            "without options"
         )
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING
@@ -117,8 +118,8 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
 VERB = Verb(
     name="inspect",
     summary="show a results file",
-    description="Show the verdict on every body and the worst records of a results file; with options all of it, one "
-    "record or body in detail, the cases that meet a condition, or what was not assessed.",
+    description="Show the verdict on every body and the worst records of a results file; options select all "
+    "verdicts, one record or body in detail, the results that meet a condition, or what was not assessed.",
     options=(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",

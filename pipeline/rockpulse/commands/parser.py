@@ -1,4 +1,4 @@
-"""Defines a verb of the command line, and a parser that accepts only full names and suggests correct ones."""
+"""The class of a command (verb), and a parser that accepts only full names and suggests correct ones."""
 
 import argparse
 import sys
@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeAlias
 from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
-#: Arguments of a verb: flags and value, such as "-o --output FILE", with their help or the keywords of
+#: Arguments of a command: flags and value, such as "-o --output FILE", with their help or the keywords of
 #: ``add_argument``. An argument without a flag is positional, and one without a value is a switch; "NAME ..." may be
 #: repeated and gives a list; "FILE !" is required.
 Options: TypeAlias = Mapping[str, str | tuple[str, Mapping[str, Any]]]
@@ -23,10 +23,10 @@ class Either(dict[str, "str | tuple[str, Mapping[str, Any]]"]):
 
 @dataclass(frozen=True)
 class Verb:
-    """One verb of the command line."""
+    """One command of rockpulse, such as ``assess``."""
 
-    name: str  # name of the verb
-    summary: str  # line in the list of verbs
+    name: str  # name of the command
+    summary: str  # line in the list of commands
     description: str  # introduction of its help
     options: tuple[Options, ...]  # arguments, in the order of the help
     # returns the exit code; raises RockpulseError or OSError for errors that the user can correct
@@ -34,7 +34,7 @@ class Verb:
     examples: tuple[str, ...] = ()  # example command lines
 
     def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]", complete: bool = True) -> None:
-        """Add a parser for the verb to the subparsers of the program, with its options if `complete` is true."""
+        """Add a parser for the command to the subparsers of the program, with its options if `complete`."""
         epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
         for table in self.options if complete else ():
@@ -47,7 +47,7 @@ class Verb:
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
-    """Convert an option such as "-o --output FILE" to the arguments and keywords for ``add_argument``."""
+    """Convert a text such as "-o --output FILE" to the arguments and keywords for ``add_argument``."""
     parts = words.split()
     flags = [part for part in parts if part.startswith("-")]
     metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)
@@ -75,7 +75,7 @@ class Parser(argparse.ArgumentParser):
 
     # argparse declares its return type by overloads.
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """Parse as ArgumentParser does, but report unknown words here, where the options of the verb are known."""
+        """Parse as ArgumentParser does, but report unknown words here, where the options are known."""
         self._given = list(sys.argv[1:] if args is None else args)
         for word in self._given:
             meant = self._option_string_actions.get(f"-{word}")
@@ -107,4 +107,4 @@ class Parser(argparse.ArgumentParser):
                 yield near if name in message or not near else f"; {name} is not known{near}"
             elif verbs:
                 yield "" if word in verbs else hint(word, verbs)
-                return  # later words are checked by the verb
+                return  # the parser of the command checks later words

@@ -37,7 +37,7 @@ VERB = Verb(
                 {"nargs": "*", "choices": CODES},
             ),
             "--full": "add the configuration and the SHA-256 of all files",
-            "--overwrite": "replace an existing report; never another file",
+            "--overwrite": "replace an existing report, but no other file",
         },
     ),
     run=_run,

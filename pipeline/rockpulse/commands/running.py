@@ -1,4 +1,4 @@
-"""Functions for all verbs that process many records: batch options, log file, signals, and final output."""
+"""Functions for all commands that process many records: batch options, log file, signals, and final output."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that is no longer written after an error, stored in `failed`; the run continues."""
+    """A log file that is not written further after an error, whose reason is kept in `failed`; the run continues."""
 
     failed = ""
 
@@ -97,7 +97,7 @@ def _logged(log: Path, output: Path) -> Iterator[None]:
         logger.setLevel(before)
         handler.close()
         if handler.failed and begun:
-            _say(f"--log-file {log}: {handler.failed}: the end of the log is missing")
+            _say(f"--log-file {log}: the end of the log is missing ({handler.failed})")
 
 
 def _check_log(log: Path, output: Path) -> None:
@@ -114,12 +114,13 @@ def _check_log(log: Path, output: Path) -> None:
         head = file.read(len("2000-01-01 00:00:00"))
     if head and not re.fullmatch(rb"\d{4}(-\d\d){2} \d\d(:\d\d){2}", head):
         raise ConfigError(
-            f"--log-file {log}: expected a new file or an existing log, found another file; choose another name"
+            f"--log-file {log}: expected a new file or an existing log, found a file of another kind; choose another "
+            "name"
         )
 
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
-    """Print why no record could be used, with --quiet on one line, and return the exit code."""
+    """Print why no record could be used (one line if `quiet`), and return the exit code."""
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 

@@ -1,4 +1,4 @@
-"""``rockpulse selftest``: run the solvers of this installation on stored cases with known results of 24 digits."""
+"""``rockpulse selftest``: run the solvers of this installation on stored cases whose results are known to 24 digits."""
 
 import argparse
 import math

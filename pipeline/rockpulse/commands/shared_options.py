@@ -1,4 +1,4 @@
-"""Options of several verbs, and functions that return the configuration or the selected rows given by them."""
+"""Options of several commands, and functions that return the configuration or the selected rows from them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ READING: Options = {
 
 
 def from_records(output: str, written: str = "file to write (HDF5)", bodies: bool = True) -> Options:
-    """Return the options of a verb that reads records and writes a file: paths, configuration and bodies."""
+    """Return the options of a command that reads records and writes a file: paths, configuration and bodies."""
     of_bodies: Options = {
         "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
@@ -47,7 +47,7 @@ def from_records(output: str, written: str = "file to write (HDF5)", bodies: boo
         **READING,
         "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a differing duplicate in channels with this id "
         "(* and ? are wildcards), which are rejected otherwise; repeatable",
-        "--overwrite": "replace an existing results file; never another file" if bodies else "replace existing files",
+        "--overwrite": "replace an existing results file, but no other file" if bodies else "replace existing files",
         "--quiet": QUIET,
     }
 
@@ -78,7 +78,7 @@ BATCH: tuple[Options, ...] = (
         "--resume": "continue a stopped run with its finished records, or start a new run",
         "--strict": "stop at the first file or record that fails and write no output; --resume continues from the "
         "finished records",
-        "--log-file FILE": "append a log with times to this file",
+        "--log-file FILE": "append log messages with their times to this file",
     },
 )
 
@@ -91,14 +91,14 @@ def parse_count(words: str) -> int:
     return number
 
 
-#: Options that select a part of the results, besides ``--record`` and ``--block``, which the verb defines itself.
+#: Options that select a part of the results, besides ``--record`` and ``--block``, which the command defines itself.
 SELECTION: Options = {
     "--model NAME ...": "only this model (* and ? are wildcards); repeatable",
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
     "--where CONDITION ...": "only rows in which a variable or a column of the tables meets a condition: "
     "'factor_10 < 1', 'SF < 1', 'P > 0.5', 'source = *.AT2'; repeatable, all must be met",
-    "--sort VARIABLE": "sort by this variable or column, smallest first, unknown values last",
-    "--descending": "sort with --sort from largest to smallest",
+    "--sort VARIABLE": "sort by this variable or column, the smallest values first and unknown values last",
+    "--descending": "sort by --sort with the largest values first",
     "--limit N": ("at most N rows", {"type": parse_count}),
 }
 
@@ -108,7 +108,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
-        raise ResultsError("--descending: needs --sort VARIABLE; add it")
+        raise ResultsError("--descending: expected --sort VARIABLE as well, found none; add it")
     names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:
@@ -117,7 +117,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """Return the section [records] with --units and --dt, which also replace the values of [[records.file]]."""
+    """Return section [records] with the values of --units and --dt, which also replace those of [[records.file]]."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 

@@ -16,12 +16,12 @@ from rockpulse.app import CHILD
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
 
-#: Smallest number of records that is printed in place of a progress bar.
+#: Smallest number of records for which a line is printed in place of a progress bar.
 ANNOUNCED = 20
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text with control characters escaped; do nothing if the pipe is closed, as after ``| head``."""
+    """Print a text with control characters escaped; print nothing if the pipe is closed, as after ``| head``."""
     file = sys.stdout if file is None else file
     try:
         print(escaped(text), file=file, flush=True)
@@ -43,13 +43,13 @@ def interrupt(number: int, frame: object) -> NoReturn:
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` for standard error; it is disabled if `quiet`, or without a terminal or page.
+    """Return ``tqdm.tqdm`` for standard error; the bar is shown on a terminal or the local page, unless `quiet`.
 
-    Without either, the number of many records is printed on one line before they are processed.
+    Elsewhere the number of records, if it is large, is printed on one line before they are processed.
     """
     from tqdm import tqdm
 
-    # On a terminal without a size tqdm would show nothing.
+    # On a terminal that reports no size, tqdm would show nothing.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
     bar = partial(
         tqdm,
@@ -104,7 +104,7 @@ MISSING = {
     "second": "rockpulse assess writes one",
 }
 
-#: For each number of an operating-system error: advice on the fault of the file.
+#: For each number of an operating-system error: advice on what to do.
 ADVICE = {
     (errno.ENOSPC, errno.EDQUOT): "; free some space there, or choose another folder",
     (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
@@ -114,7 +114,7 @@ ADVICE = {
 
 #: Arguments that name a results file to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
-#: Largest number of differences of a results file in a message.
+#: Largest number of differences of a results file that a message lists.
 SAID = 3
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")

@@ -37,7 +37,7 @@ VERB = Verb(
     "unchanged, 1: something differs, 2: not a results file, or one that cannot be opened.",
     options=(
         {
-            "RESULTS": "results file of any verb",
+            "RESULTS": "results file of any kind",
             "--inputs": (
                 "also compare the record files with their checksums, if they still exist; default: yes",
                 {"action": argparse.BooleanOptionalAction, "default": True},

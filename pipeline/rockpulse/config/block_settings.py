@@ -212,7 +212,7 @@ class BlockSettings(Section):
                 "b_2, centre and gyration; found one given by p and alpha"
             )
         if self.kappa is not None and self.elastic_modulus is None:
-            raise ConfigError(f"{self.where} kappa: it belongs to elastic_modulus; give both, or remove kappa")
+            raise ConfigError(f"{self.where} kappa: it applies only with elastic_modulus; give both, or remove kappa")
         bound = self.one_sided or self.ties or self.loads or self.thrusts
         if self.elastic_modulus is not None and (self.width is None or self.density is None or bound):
             raise ConfigError(
@@ -258,7 +258,7 @@ class BlockSettings(Section):
         return min((one.support / one.height for one in self.loads if one.support is not None), default=math.inf)
 
     def block(self) -> Block:
-        """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""
+        """Return the block, or one for each restitution in a list, and log its warnings; ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}

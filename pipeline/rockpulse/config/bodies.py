@@ -59,7 +59,10 @@ class Bodies:
     tie_count: int
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Return each motion under bodies with their indices; directions `within` degrees of `azimuth` equal it."""
+        """Return each different motion under the bodies, with the indices of the bodies to which it applies.
+
+        A direction that differs from `azimuth` by at most `within` degrees is treated as `azimuth`.
+        """
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -96,7 +99,7 @@ class Bodies:
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise ConfigError(
-                f'block "{twice}": this name is also that of another body with one of its restitutions; rename one'
+                f'block "{twice}": two bodies get this name when restitutions are added to the names; rename one'
             )
         return names, Block.stack([self.lanes.lane(lane) for lane in kept]), np.array(kept) // self.cases
 
@@ -216,7 +219,7 @@ def refuse_floors(bodies: Bodies, why: str) -> None:
     """Raise ConfigError with the reason `why` if a body is on a floor of a building."""
     names = [name for name, floors in zip(bodies.names, bodies.floors, strict=True) if floors]
     if names:
-        raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
+        raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; remove these bodies or their floors")
 
 
 def _values_of_key(given: Mapping[str, BlockSettings], names: Iterable[str], key: str) -> np.ndarray:

@@ -18,7 +18,7 @@ from rockpulse.files import check_regular, read_text, table_of
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Columns for the site of a body, which only risk uses, and other spellings of them.
+#: Columns that describe the site of a body, with their units (only the command `risk` uses them), and short spellings.
 SITE = {"longitude": "degrees", "latitude": "degrees", "soil_factor": ""}
 _SPELLINGS = {"lon": "longitude", "lat": "latitude"}
 #: Units allowed in a heading for each unit of the configuration, and their factors.
@@ -53,7 +53,7 @@ class BodyColumns(NamedTuple):
 
 @cache
 def _keys() -> dict[str, str]:
-    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", keys of the site."""
+    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", and those of `SITE`."""
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
         entry = item.metadata.get("entries")
@@ -114,7 +114,9 @@ def _table(path: Path) -> "pd.DataFrame":
     try:
         sheets = sheet_texts(path.read_bytes())
     except ImportError:
-        raise ConfigError(f"{path}: a workbook is read by openpyxl (pip install openpyxl); or save it as CSV") from None
+        raise ConfigError(
+            f"{path}: reading a workbook needs openpyxl: pip install openpyxl, or save the table as CSV"
+        ) from None
     except Exception as fault:  # openpyxl may raise any error for a damaged part
         raise ConfigError(f"{path}: cannot be read as a workbook ({fault}); save it as CSV") from fault
     return table_of(str(path), sheets[0])

@@ -26,7 +26,7 @@ MOST_WORKERS = 10_000
 
 def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "remove it") -> ConfigError:
     """Return the error for `keys` that may only be given if another key has the value `words`."""
-    they = "they belong" if "," in keys else "it belongs"
+    they = "they apply only" if "," in keys else "it applies only"
     return ConfigError(f'{section.where} {keys}: {they} to {key} = {words}, found {key} = "{section[key]}"; {advice}')
 
 

@@ -74,7 +74,7 @@ def _is_distribution(value: Any) -> bool:
 
 
 def _distribution(value: Any) -> tuple[float, ...]:
-    """Return the two limits of a uniform distribution, or equally likely values."""
+    """Return a distribution as the two limits of a uniform one, or as three or more equally likely values."""
     if not isinstance(value, Mapping):
         return _floats(sorted(value))
     normal, end = NormalDist(value["mean"], value["deviation"]), LARGEST_VALUE * value["deviation"]
@@ -315,7 +315,7 @@ class CheckSettings(Section):
         if self.spectrum != "ntc" and (given := [name for name, value in of_ntc.items() if value is not None]):
             raise misplaced(self, given[0], "spectrum", '"ntc"')
         if self.spectrum != "ntc" and self.topography != "T1":
-            raise misplaced(self, "topography", "spectrum", '"ntc"', "put its factor into ag")
+            raise misplaced(self, "topography", "spectrum", '"ntc"', "multiply ag by its factor")
         needed = {"ntc": ("ag", "f0", "tc_star"), "table": ()}.get(self.spectrum, ("ag",))
         missing = [name for name in needed if name not in named]
         if named and missing:

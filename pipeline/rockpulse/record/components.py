@@ -97,7 +97,7 @@ def select_horizontal(
     """Return the horizontal channels on the ground, and a failure for each other channel.
 
     If `structural` is true, horizontal channels on structures are returned too. If `configured` is true, the failures
-    name the option of the configuration that does this.
+    of such channels name the option of the configuration with which they are returned.
     """
     horizontal, failures = [], []
     for record in records:

@@ -159,7 +159,8 @@ def _check(
     if pre_event is not None:
         if baseline not in ("auto", "pre-event"):
             raise ConfigError(
-                f"condition: pre_event_s belongs to baseline 'pre-event' or 'auto', not to {baseline!r}: leave it out"
+                f"condition: pre_event_s applies only to baseline 'pre-event' or 'auto', found {baseline!r}; "
+                "leave it out"
             )
         if not record.dt <= pre_event <= record.duration:
             raise ConfigError(
@@ -264,8 +265,8 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
     if pad > LONGEST_PAD:
         raise ConfigError(
-            f"condition: the corner {highpass or lowpass:g} Hz needs {pad:.3g} samples of padding at each end, "
-            f"expected at most {LONGEST_PAD:g}; use a higher corner ({record.id} is {record.duration:g} s long)"
+            f"condition: the corner frequency {highpass or lowpass:g} Hz needs {pad:.3g} samples of padding at each "
+            f"end, expected at most {LONGEST_PAD:g}; use a higher one ({record.id} is {record.duration:g} s long)"
         )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])

@@ -132,7 +132,7 @@ def intense_phase(
     Raises
     ------
     ConfigError
-        For an unknown method, or an argument that is invalid or does not belong to the method.
+        For an unknown method, or an argument that is invalid or does not apply to the method.
     RecordRefused
         If the record is zero throughout, never exceeds `level`, or ends before the window begins.
 
@@ -152,11 +152,11 @@ def intense_phase(
         raise ConfigError(f"intense_phase: method: expected one of {', '.join(INTENSE_PHASES)}, got {method!r}")
     if method != "window" and (start_s is not None or end_s is not None):
         raise ConfigError(
-            f"intense_phase: start_s and end_s belong to method 'window', not to {method!r}: "
+            f"intense_phase: start_s and end_s apply only to method 'window', found {method!r}: "
             "leave them out or change the method"
         )
     if method != "bracketed" and level is not None:
-        raise ConfigError(f"intense_phase: level belongs to method 'bracketed', not to {method!r}: leave it out")
+        raise ConfigError(f"intense_phase: level applies only to method 'bracketed', found {method!r}: leave it out")
     return INTENSE_PHASES[method](record, start_s, end_s, level)
 
 

@@ -268,7 +268,7 @@ def _broadcast(value: float, size: int) -> np.ndarray:
 
 
 def _restored(kind: type[Record], values: list[Any]) -> Record:
-    """Restore a pickled record; equal codes and units of many records share one string in memory."""
+    """Restore a pickled record; equal texts and numbers of many records share one object in memory."""
     if isinstance(values[0], tuple):
         values[0] = _broadcast(*values[0])
     values[0].setflags(write=False)

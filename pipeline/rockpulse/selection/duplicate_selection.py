@@ -41,12 +41,13 @@ def without_duplicates(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """Return one record of each ground motion, a failure for each other record, and comparable duplicates as twins.
+    """Return one record of each ground motion, a failure for each duplicate, and the duplicates to be compared.
 
     Recordings are preferred in this order: at the surface; confirmed; all horizontal channels usable; with a pair or a
     vertical channel, if these are requested; processed; higher sampling rate; longer; first by path. A dead channel, or
     a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records] keep`` are
-    assessed in addition to the chosen record. The reason of each failure ends with `advice`.
+    assessed in addition to the chosen record. The reason of each failure ends with `advice`. A duplicate is to be
+    compared with the accepted record (:class:`Twin`) if both have the same direction.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)

@@ -43,7 +43,7 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield pairs of record indices; a chain of pairs connects all records of one earthquake with indices in `free`."""
+    """Yield pairs of indices from `free`; a chain of pairs connects all records of one earthquake."""
     by_file = _grouped(free, lambda index: records[index].source or None)
     for members in by_file + _grouped(free, lambda index: records[index].together or None):
         yield from pairwise(members)
@@ -228,7 +228,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
             f"read, such as {some(ids, 3)}"
         )
     if empty := sorted(name for name, label in named.items() if not label.strip()):
-        raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
+        raise ConfigError(f"events: expected the name of an earthquake for {', '.join(empty[:5])}, found an empty text")
     free = [index for index, record in enumerate(records) if record.id not in named]
     parent = {index: index for index in free}
 

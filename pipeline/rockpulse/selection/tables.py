@@ -53,7 +53,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
 
 @dataclass(frozen=True)
 class SelectedRecords:
-    """The records that the user has selected for a fragility analysis, with scale factors or values of the measure."""
+    """The records that the user has selected for a fragility analysis, with scale factors or intensities."""
 
     by_factor: bool  # whether amounts are scale factors; otherwise they are values of the intensity measure
     rows: dict[str, tuple[tuple[float, float], ...]]  # amount and weight of each row, by record id
@@ -116,7 +116,7 @@ def _factors(path: Path, where: str, state: int) -> dict[str, float]:
     """Return the scale factor of each record id in a table; it is cached, as it is needed for every record of a run."""
     table = read_selection_table(path, where)
     if not table.by_factor:
-        raise ConfigError(f"{where}: {path}: expected the column factor, the scale factor of each record, found level")
+        raise ConfigError(f"{where}: {path}: expected the column factor (scale factor of each record), found level")
     if several := [record for record, rows in table.rows.items() if len(rows) > 1]:
         raise ConfigError(
             f"{where}: {path}: expected one row for each record, found {len(table.rows[several[0]])} for {several[0]}"

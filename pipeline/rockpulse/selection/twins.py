@@ -230,7 +230,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
-    """Return, by ``id(channel)``, the partner of each channel if only their sampling intervals prevent a pair."""
+    """Return, by ``id(channel)``, the channel that would form a pair with it if their sampling intervals were equal."""
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:
@@ -260,7 +260,7 @@ def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
+    """Return, by ``id(record)``, another record that may contain the same motion at a wrong clock time, if any."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

@@ -111,7 +111,7 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence equivalent to the record; impulses are zero if it does not lift.
+        """Return for each of (m,) blocks a sequence equivalent to the record; a block that does not lift gets zeros.
 
         Use it with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
         half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, with S_i = (1 - C^i)/(1 - C).
@@ -190,7 +190,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     section = table.get(point)
     factor = section.get("factor") if isinstance(section, Mapping) else None
     if not isinstance(factor, (int, float)) or isinstance(factor, bool):
-        raise ConfigError(f"{source}: expected [{point}] factor, a number, as in {SHIPPED} of the package")
+        raise ConfigError(f"{source}: expected a number as the key factor of [{point}], as in {SHIPPED} of the package")
     return replace(Rule(point, float(factor)), within=_range(table, str(source)))
 
 
@@ -203,7 +203,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
     for name, ends in section.items():
         numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])
         if not numeric or not ends[0] <= ends[1]:
-            raise ConfigError(f"{source}: [range] {name}: expected [least, most], got {ends!r}")
+            raise ConfigError(f"{source}: [range] {name}: expected two numbers [lowest, highest], got {ends!r}")
     return {name: (float(least), float(most)) for name, (least, most) in section.items()}
 
 

@@ -152,8 +152,8 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
             assert len(window.find("#records .left.failed")) == 10
             ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
-    # On a quiet machine with two cores the first window needs less than 2 s, a later one 0.5 s; CI may be slower.
-    assert shown[0] < 5.0
+    # The aim is 2 s on a quiet machine, where the server computes for 1.3 s, and for 0.2 s later; CI may be slower.
+    assert shown[0] < 8.0
     assert min(shown) < 2.0
     assert sorted(ordered)[4] < 200.0
 

@@ -193,9 +193,7 @@ def test_a_body_heavy_beside_its_floor_gets_a_warning():
 
 def test_what_is_of_the_ground_refuses_bodies_aloft():
     aloft = config(body("aloft", floors=(FLOOR,)))
-    with pytest.raises(
-        rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a site is calibrated on the motion of its"
-    ):
+    with pytest.raises(rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a calibration uses the ground"):
         rp.calibrate([RECORD], aloft)
     sequence = models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
     with pytest.raises(rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a design sequence"):
@@ -279,7 +277,7 @@ def test_a_direction_needs_a_pair():
     # A channel that faces the direction of the records stands for it, and not for another one.
     tree = turned(body("others"), own, records=PAIR[:1], components="azimuth", azimuth=90.0)
     assert tree["summary"].sizes["record"] == 0
-    assert "rotated to the direction 30 of a body" in str(tree["failures"]["reason"].values[-1])
+    assert "rotated to the direction of a body, 30 degrees" in str(tree["failures"]["reason"].values[-1])
 
 
 @pytest.mark.sweep

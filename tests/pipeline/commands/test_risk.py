@@ -119,7 +119,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     shown, told = capsys.readouterr()
     assert "bodies.csv: columns not used: made of" in told
     assert "times the soil factor 1.2" in " ".join(shown.split())
-    assert "a_g is that on rock" not in shown
+    assert "a_g is given for rock" not in shown
     assert main([*arguments, "--overwrite", "--soil-factor", "1.4"]) == 2
     assert "[hazard] soil_factor: also given for each body" in capsys.readouterr().err
     assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2

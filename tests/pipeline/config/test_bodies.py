@@ -56,7 +56,7 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
     close = BlockSettings(name="a", width=1.0, height=6.0, restitution=[0.9, 0.90000001])
     assert gather_bodies([close]).apart()[0] == ["a C 0.9", "a C 0.90000001"]
     other = BlockSettings(name="a C 0.90000001", width=1.0, height=6.0)
-    with pytest.raises(ConfigError, match=r'block "a C 0\.90000001": this name is also that of'):
+    with pytest.raises(ConfigError, match=r'block "a C 0\.90000001": two bodies get this name'):
         gather_bodies([close, other]).apart()
 
 

@@ -271,7 +271,7 @@ def test_units_and_intervals_of_some_files_are_read_and_written(load):
 
 
 def test_files_are_sections_in_python_too():
-    with pytest.raises(ConfigError, match=r"\[records\] files: expected a list of FileSettings, each of them \[\[rec"):
+    with pytest.raises(ConfigError, match=r"\[records\] files: expected a list of FileSettings, in TOML \[\[rec"):
         rp.RecordSettings(files=({"match": "*"},))
 
 

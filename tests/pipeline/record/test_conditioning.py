@@ -353,7 +353,7 @@ def test_steps_are_written_down_in_their_order_and_the_rest_is_kept():
         ({"resample_s": math.nan}, "resample_s: expected a positive interval"),
         ({"resample_s": 61.0}, "resample_s: expected a positive interval in s, no longer than test"),
         ({"resample_s": 0.01 * math.sqrt(2.0)}, "is not a ratio of whole numbers up to 1000"),
-        ({"baseline": "mean", "pre_event_s": 2.0}, "pre_event_s belongs to baseline 'pre-event' or 'auto'"),
+        ({"baseline": "mean", "pre_event_s": 2.0}, "pre_event_s applies only to baseline 'pre-event' or 'auto'"),
         ({"pre_event_s": 0.001}, "pre_event_s: expected a window of at least two samples"),
     ],
 )

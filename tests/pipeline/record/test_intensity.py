@@ -219,9 +219,9 @@ def test_window_after_the_record_is_refused():
     ("wrong", "message"),
     [
         ({"method": "D5-50"}, "method: expected one of D5-95, D5-75, bracketed, window, got 'D5-50'"),
-        ({"method": "D5-95", "start_s": 1.0}, "belong to method 'window'"),
-        ({"method": "bracketed", "end_s": 1.0}, "belong to method 'window'"),
-        ({"method": "window", "level": 1.0}, "level belongs to method 'bracketed'"),
+        ({"method": "D5-95", "start_s": 1.0}, "apply only to method 'window'"),
+        ({"method": "bracketed", "end_s": 1.0}, "apply only to method 'window'"),
+        ({"method": "window", "level": 1.0}, "level applies only to method 'bracketed'"),
         ({"method": "bracketed", "level": 0.0}, "level: expected a positive acceleration"),
         ({"method": "bracketed", "level": math.nan}, "level: expected a positive acceleration"),
         ({"method": "window", "end_s": 3.0}, "end_s needs start_s"),

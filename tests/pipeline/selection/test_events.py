@@ -200,7 +200,7 @@ def test_the_table_of_a_configuration(tmp_path):
     assert event_table(Config()) == {}
 
 
-@pytest.mark.parametrize(("named", "words"), [({"x": "e"}, "no record has the id x"), ({"a": " "}, "label for a")])
+@pytest.mark.parametrize(("named", "words"), [({"x": "e"}, "no record has the id x"), ({"a": " "}, "earthquake for a")])
 def test_a_table_that_is_wrong_is_named(named, words):
     with pytest.raises(ConfigError, match=words):
         group_events([record("a")], named)

@@ -49,7 +49,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
-    # Real header value 9 is the sampling rate; it begins the second row, as a row contains eight values.
+    # Floating-point header value 9 is the sampling rate; it begins the second row, as a row contains eight values.
     rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
     duration = kit.matched(_DURATION, header[10])
     if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):

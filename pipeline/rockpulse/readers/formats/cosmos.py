@@ -34,9 +34,9 @@ _UNITS = kit.UNITS | {
 }
 _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
 _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
-#: Values of integer 2 for quantities other than a linear acceleration.
+#: Values of header integer 2 for quantities other than a linear acceleration.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
-#: Values of integer 19 for stations whose sensors may be at depth.
+#: Values of header integer 19 for stations whose sensors may be at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 _CLOSING = 3  # blank lines may follow the closing line
 #: Relative tolerance of sensitivities: calibrated values deviate by some percent, wrong ones by a factor of 2 or more.

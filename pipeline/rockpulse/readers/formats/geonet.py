@@ -63,7 +63,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     title = _TITLE.match(text[0])
     assert title is not None
     integers = kit.fixed_width(lines[integer_line:], integer_line + 1, _WIDTH, _PER_ROW, 40, file.name)
-    # Only the third row of reals is needed.
+    # Only the third row of floating-point values is needed.
     at = integer_line + _INTEGER_LINES + 2
     reals = kit.fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
     count, rows = _counts(file.name, text[9], start, integers)

@@ -17,7 +17,7 @@ from rockpulse.readers.format import Format, ReadOptions
 #: Titles of the series of types 1 to 6, in this order.
 _KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER"
 _TITLE = re.compile(rf"\s?([1-6])\s+({_KINDS})", re.IGNORECASE)
-#: Number of lines of text, and indices of the first line of the reals and of the first line after them.
+#: Number of lines of text, and indices of the first line of floating-point values and of the first line after them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
@@ -25,8 +25,8 @@ _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECA
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
 _RATE_LIMIT = 10_000.0  # limit of the sampling rate [1/s]; some files state an impossible rate
 _UNIT = "cm/s2"
-#: Values of integer 19 for a building, bridge, dam or other structure; integers 27 and 28 are 0 in the free field of a
-#: bridge or dam.
+#: Values of header integer 19 for a building, bridge, dam or other structure; integers 27 and 28 are 0 in the free
+#: field of a bridge or dam.
 _STRUCTURES = (1, 2, 3, 4)
 _FREE_FIELD_AT = {2: 27, 3: 28}
 

@@ -26,7 +26,7 @@ _MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*
 _MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"]
 _MAGNITUDE = re.compile(r"\s*magnitude\s*=\s*(\d{1,2}\.\d{0,3})\s", re.ASCII | re.IGNORECASE)
 _DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*km", re.ASCII | re.IGNORECASE)
-#: First line of the reals of volume 1 (8F10); reals 11, 12 and 14 are distance [km], magnitude and depth [km].
+#: First line of floating-point values of volume 1 (8F10); 11, 12 and 14 are distance [km], magnitude, depth [km].
 _REALS = TEXT_LINES + 7
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,40}?\bduration\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.ASCII | re.IGNORECASE)
@@ -75,7 +75,7 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
 
 def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
-    # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
+    # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the floating-point values.
     row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""
     distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), row[20:30])
     magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), row[30:40])

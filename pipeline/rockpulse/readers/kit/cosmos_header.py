@@ -35,9 +35,9 @@ _ORIENTATIONS = {
     402: Direction("vertical", note="integer 54 of the header does not tell whether upwards is positive"),
     **{code: Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
 }
-#: Values of integer 19 for shelters, free fields, vaults, observatories, and arrays in the ground.
+#: Values of header integer 19 for shelters, free fields, vaults, observatories, and arrays in the ground.
 _ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
-#: Values of integer 19 for the base of a building, a building, bridge, dam, wharf or other structure.
+#: Values of header integer 19 for the base of a building, a building, bridge, dam, wharf or other structure.
 _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
 
 

@@ -63,12 +63,12 @@ _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
 _DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
 #: Pattern of the first row of integers; the fourth integer is the number of channels of the recorder.
 _FIRST_ROW = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
-#: Position and pattern of integer 27, in the second row: the azimuth of the channel, or a code.
+#: Position and pattern of header integer 27, in the second row: the azimuth of the channel, or a code.
 _AZIMUTH, _CODE = slice(50, 55), re.compile(r" *\d{1,3}", re.ASCII)
 _UP, _DOWN = 500, 600
-#: Position of integer 28, the number of points of volume 1, and the largest number that it can contain.
+#: Position of header integer 28, the number of points of volume 1, and the largest number that it can contain.
 _POINTS, _MOST_POINTS = slice(55, 60), 99_999
-#: Number of rows of integers before the reals, characters of a real, and the values that mean unknown.
+#: Number of rows of integers, number of characters of a floating-point value, and the values that mean unknown.
 _INTEGER_ROWS, _REAL_WIDTH, _UNKNOWN = 7, 10, (0.0, -999.0)
 _REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
 
@@ -84,7 +84,7 @@ class CsmipHeader:
     recorder: str = ""  # line that names the recorder
     number: str = ""  # numbers of the channel on the recorder and at the station; empty if not stated
     counted: int = 0  # number of channels of the recorder; 0 if it is not stated
-    code: int = 0  # code of the direction, integer 27; 0 if it is not stated
+    code: int = 0  # code of the direction, header integer 27; 0 if it is not stated
     repeated: tuple[str, ...] = ()  # the direction as further lines state it
 
     @property

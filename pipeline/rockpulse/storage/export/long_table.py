@@ -191,8 +191,8 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
     if len(most) != 1:
         several = "; ".join(" ".join(dims) for dims in most) or "none"
         raise ResultsError(
-            f"/{group} contains several tables: expected the dimensions of one of them (--rows), found none; they have "
-            f"{several}"
+            f"/{group} contains several tables: expected the dimensions of one of them (--rows), found none; "
+            f"the tables have {several}"
         )
     return most[0]
 
@@ -264,7 +264,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 def _masks(
     dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
-    """Return row masks for names that the table contains only as indices, and the selection without these names."""
+    """Return row masks for selected names that the table stores as indices, and the selection without these names."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:

@@ -178,7 +178,7 @@ def rows(
     for dim in [*every, *(dim for dim in selection.names if dim not in every and selection.names[dim])]:
         patterns = selection.names.get(dim, ())
         if patterns and dim not in dataset.coords:
-            raise ResultsError(f"this table has no {dim} to filter by")
+            raise ResultsError(f"the rows of this table cannot be selected by {dim}, because it has no such column")
         if patterns:
             among[dim] = positions_matching([str(label) for label in dataset[dim].values], patterns, dim)
         else:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Largest number of rows of a worksheet, including the headings.
 SHEET_ROWS = 1_048_576
-#: Suffixes of Excel and Parquet files, and the library in the extra "tables" that writes each.
+#: For each suffix of an Excel or Parquet file, the library that writes it; "rockpulse[tables]" installs both.
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
@@ -37,7 +37,7 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
         return
     if len(table) >= SHEET_ROWS:
         raise ResultsError(
-            f"{len(table)} rows, but a sheet has at most {SHEET_ROWS - 1}: choose fewer (--where, --limit), or a name "
+            f"{len(table)} rows, but a sheet has at most {SHEET_ROWS - 1}: select fewer (--where, --limit), or a name "
             "that ends in .csv or .parquet"
         )
     with part.open("wb") as file, pd.ExcelWriter(file, engine="openpyxl") as writer:
@@ -55,7 +55,7 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
 
 #: Suffixes of CSV tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz", *TYPED)
-#: Replacement of a line break inside a string, and the pattern of line breaks.
+#: Text that replaces each line break inside a string, and the pattern of line breaks.
 LINE = " | "
 LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 

@@ -13,10 +13,10 @@ from rockpulse.errors import ResultsError
 
 #: Value of the root attribute `kind` for an assessment, and for files without this attribute.
 ASSESSMENT = "assessment"
-#: Upper bound of the size of everything in a file except values, mostly names and attributes [bytes].
+#: Largest size of the parts of a file that are not values, mostly names and attributes [bytes].
 LAYOUT = 1024**2
 
-#: Suffixes of files that other commands create from results: kind of file, command, usual suffix.
+#: For each suffix of a file that another command makes from results: kind of file, command, usual suffix.
 OTHERS = {
     **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
     **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),

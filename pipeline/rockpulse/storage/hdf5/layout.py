@@ -75,9 +75,9 @@ def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> s
 
 #: Largest number of groups and variables in a file; results have a few hundred.
 OBJECTS = 10_000
-#: Largest compression ratio of deflate, and largest variable whose values may be absent from the file [bytes].
+#: Largest compression ratio of deflate; size of a variable up to which its values may be missing in the file [bytes].
 PACKED, FREE = 1100, 1024**2
-#: HDF5 filters used in results; for others HDF5 would load plugins installed on the machine.
+#: HDF5 filters that results use; for any other filter HDF5 would load a plugin that is installed on the machine.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
 
 
@@ -92,7 +92,7 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
             where = f"{hdf5.filename}: {path}"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
                 raise ResultsError(
-                    f"{where}: a link to another place, which results files do not contain; it is not followed"
+                    f"{where}: expected a group or a variable, found a link to another place, which is not followed"
                 )
             item = group[name]
             if isinstance(item, h5py.Dataset):
@@ -101,7 +101,7 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
             elif isinstance(item, h5py.Group):
                 waiting.append(item)
             else:
-                raise ResultsError(f"{where}: expected a group or a variable, found an HDF5 type")
+                raise ResultsError(f"{where}: expected a group or a variable, found a named data type")
             address = h5py.h5o.get_info(item.id).addr
             if address in seen:
                 raise ResultsError(f"{where}: this object appears in the file under another name too")

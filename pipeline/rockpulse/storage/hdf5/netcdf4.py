@@ -59,7 +59,7 @@ def _values(stored: h5py.Dataset) -> Any:
 HIDDEN = {"CLASS", "DIMENSION_LIST", "NAME", "REFERENCE_LIST"}
 HIDDEN |= {"_NCProperties", "_Netcdf4Coordinates", "_Netcdf4Dimid", "_nc3_strict"}
 
-#: Beginning of the attribute NAME of a dimension without a variable; its size follows in ten columns.
+#: Beginning of the attribute NAME of a dimension without a variable; the size of the dimension follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 #: Prefix of the name of a variable that has the name of a dimension without being its coordinate.
 NOT_A_COORDINATE = "_nc4_non_coord_"

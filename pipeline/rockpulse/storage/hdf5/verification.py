@@ -100,7 +100,7 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
     for path in progress(list(file.variables)):
         stored = file.attrs[path].get(CHECKSUM)
         if stored is None:
-            found.append(f"variable {path}: it has no checksum; it was not written with the others")
+            found.append(f"variable {path}: it has no checksum; it was added later")
             continue
         try:
             same = _checksum(file.variables[path]) == stored
@@ -110,7 +110,7 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
         if not same:
             found.append(f"variable {path}: its values were changed")
     if attributes_checksum(file.attrs, file.dimensions) != of_all:
-        found.append("attributes, or names and dimensions of variables, were changed")
+        found.append("attributes, or the names or dimensions of variables, were changed")
     return found, len(file.variables)
 
 

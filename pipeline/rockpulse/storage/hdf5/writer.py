@@ -225,9 +225,9 @@ def _joined(path: str, name: Any) -> str:
     return f"{path.rstrip('/')}/{name}"
 
 
-#: Attribute with the checksum of a variable.
+#: Name of the attribute of a variable that contains its checksum.
 CHECKSUM = "sha256"
-#: Attribute of the root with the checksum of all attributes.
+#: Name of the root attribute that contains the checksum of all attributes.
 CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 

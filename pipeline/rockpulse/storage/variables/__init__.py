@@ -65,7 +65,7 @@ class StoredVariable:
         return xr.Variable(self.dims if dims is None else dims, self.values(values), attrs)
 
 
-#: Variables by their names.
+#: Declarations of variables, by the names of the variables.
 Declared = Mapping[str, StoredVariable]
 
 
@@ -109,7 +109,7 @@ def along(
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
-    """Return every declared variable with its values; raise KeyError unless `values` has exactly the declared names."""
+    """Return every declared variable with its values; KeyError unless `values` contains exactly the declared names."""
     lacking, undeclared = (
         ", ".join(sorted(one)) for one in (declared.keys() - values.keys(), values.keys() - declared.keys())
     )

@@ -155,7 +155,7 @@ _HISTORIES = along(
     velocity=real("angular velocity at the record's samples", "rad s^-1"),
 )
 
-#: Ragged arrays: the values of all records one after the other, with the number of values of each record.
+#: Variables of /records, as ragged arrays: the values of all records one after the other, and their number per record.
 _RECORDS: Declared = {
     "record": SUMMARY["record"],
     "half_wave_row_size": whole(

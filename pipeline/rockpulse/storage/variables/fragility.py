@@ -12,7 +12,7 @@ FRAGILITY = "fragility"
 OWN = "see measure_units"
 #: Name of the property of a record that is the value of the intensity measure at scale factor 1.
 STRENGTH = "strength"
-#: Properties that only some record files state; they are fields of a record.
+#: Properties of a record that are known only if its file states them; each is the name of a field of a record.
 STATED = ("magnitude", "epicentral_distance", "vs30")
 #: Properties other than intensity that are known for every record.
 QUALITIES = ("duration", "period", "strong_half_waves")
@@ -65,7 +65,7 @@ _JUDGED: Declared = {
     "statement_values": text("the explanation as codes and values, in JSON"),
 }
 
-#: Variables of the fit for each body, limit state and measure, and of its data.
+#: Variables of the fit of a curve, and of its data, for each body, limit state and intensity measure.
 CURVE = along(
     _LANES,
     **_FIT,
@@ -176,7 +176,7 @@ def _pooled(declared: Declared) -> Declared:
     return {f"pooled_{name}": variable for name, variable in declared.items()}
 
 
-#: Variables of each body, and then of all bodies together; the latter only for dimensionless measures.
+#: Variables for each body, and for all bodies together (these only for dimensionless intensity measures).
 EFFICIENCY: Declared = {
     **along(_LANES, **_RATIO),
     **along((*_LANES, "quality"), **_QUALITY),

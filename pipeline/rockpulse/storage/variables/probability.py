@@ -97,7 +97,7 @@ PROBABILITY: Declared = {
     ),
 }
 
-#: Variables at the demands of the site, along `demand`.
+#: Variables of a record and a body at each demand of the site (dimension `demand`).
 AT_DEMAND: Declared = {
     "demand_factor": real(
         "scale factor that scales the record to the demand",
@@ -124,7 +124,7 @@ AT_DEMAND: Declared = {
 }
 
 
-#: Variables of the ties of each body at the demands of the site, along `demand` and `tie`.
+#: Variables of each tie of a body at each demand of the site (dimensions `demand` and `tie`).
 OF_TIES: Declared = {
     "demand_tie_elongation": real(
         "largest elongation of each tie under the record scaled to the demand; inf where the body overturns",
@@ -149,7 +149,7 @@ LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
 #: Limit states of rotation with separate spectra, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
-#: Variables of a spectrum along its axes, which are the same for all records, so that all spectra form one array.
+#: Variables of the axes of a spectrum, which are the same for all records, so that all spectra form one array.
 SPECTRUM_AXES: Declared = {
     "p": real("frequency parameter of the blocks", "s^-1", _fixed(RATES), dims=("p",)),
     "restitution": real(

@@ -4,13 +4,13 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-#: Status of a frequency. NO_LIMIT: the integral diverges at low levels. NOT_COVERED: outside the spectra.
+#: Status of a frequency. NO_LIMIT: the integral diverges at low levels. NOT_COVERED: the spectra do not cover the body.
 RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=0)
 
 
 OWN = "unit of the measure in SI"
 
-#: Variables along the bodies, and along the levels that contribute to each.
+#: Variables of each body, and of the ranges of levels that contribute to its frequency.
 RISK: Declared = {
     **along(
         ("block",),
@@ -38,7 +38,7 @@ RISK: Declared = {
     ),
 }
 
-#: Variables along the bodies of an inventory.
+#: Variables of each body of an inventory.
 INVENTORY: Declared = along(
     ("body",),
     frequency=real("annual frequency of overturning", "year^-1"),
@@ -55,7 +55,7 @@ INVENTORY: Declared = along(
     status=flag(RiskStatus, "whether a frequency was computed, or why not"),
 )
 
-#: Variables along free bodies and levels of a measure.
+#: Variables of each free body, and of each level of the intensity measure.
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
@@ -69,7 +69,7 @@ FREE_FRAGILITY: Declared = {
     ),
 }
 
-#: Variables of the survival test of a hazard, along the bodies.
+#: Variables of each body in a test of the hazard by the age of standing bodies.
 STANDING: Declared = {
     "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
@@ -80,7 +80,7 @@ STANDING: Declared = {
 }
 
 
-#: Variables of code checks along the bodies, and along bodies and codes; a ratio of 1 or more passes.
+#: Variables of code checks for each body, and for each body and code; a check with a ratio of 1 or more is passed.
 CHECK: Declared = {
     **along(
         ("block",),

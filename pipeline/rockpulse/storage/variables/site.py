@@ -1,4 +1,4 @@
-"""The variables of a site file."""
+"""The variables of a site file, which contains the results of a site calibration."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from rockpulse.storage.variables.summary import FACTS
 #: Root attribute `kind` of a site file.
 SITE_KIND = "site calibration"
 
-#: Variables of every record.
+#: Variables of each record of the site.
 OF_RECORDS: Declared = along(
     ("record",),
     source=text("file the record was read from"),

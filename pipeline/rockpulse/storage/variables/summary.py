@@ -23,8 +23,8 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
-#: Earthquake and site data of a record, with the names of its fields; stored for every record in every study. They
-#: are taken from any object with the attribute `record`.
+#: Variables of the earthquake and the site of a record, with the names of its fields; every study stores them. Their
+#: values are taken from an object with the attribute `record`.
 FACTS: Declared = along(
     ("record",),
     _of_record,
@@ -56,7 +56,7 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-#: Functions of an assessed record for variables that are not fields of the record.
+#: Functions that return the values of variables that are not fields of a record, from an assessed record.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known only after all records are read
     "event_title": _of_record("event"),
@@ -95,7 +95,7 @@ def _where_searched(name: str) -> Callable[[Any], Any]:
     )
 
 
-#: Functions of an assessed record for variables that are not fields of the response.
+#: Functions that return the values of variables that are not fields of a response, from an assessed record.
 _OF_ANSWER: dict[str, Callable[[Any], Any]] = {
     "safety_factor": _of_search("safety_factor"),
     "factor_resolved": _where_searched("factor_resolved"),

@@ -1,10 +1,10 @@
 """The code checks of the bodies of a configuration, and of their rotations under the records of results.
 
-.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: no analysis passes d_0, and the mean of the
+.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: none exceeds d_0, and the mean of the
    largest displacements does not exceed d_SLV or d_SLC of C8.7.1.2.1.6. NTC 2018, 7.3.5, and EN 1998-1, 4.3.3.4.3: the
-   mean of seven records or more, otherwise the most unfavourable value, of at least three records (EN 1998-1,
-   3.2.3.1.2). The rotation |theta|/alpha_c is converted to the displacement d = (|theta|/alpha_c) tan(alpha_c) lever,
-   so that a free body reaches d_0 at alpha_c.
+   mean is used with seven records or more, and the most unfavourable value with three to six; fewer are not sufficient
+   (EN 1998-1, 3.2.3.1.2). The rotation |theta|/alpha_c is converted to the displacement d = (|theta|/alpha_c)
+   tan(alpha_c) L, with the ratio L of spectral displacement to rotation, so that a free body reaches d_0 at alpha_c.
 """
 
 import math
@@ -31,21 +31,21 @@ from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spec
 from rockpulse.studies.check.codes import CHECKS, STATES, Checked, allowed_displacement, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
 
-#: Fewest records for a verdict, and fewest for the mean.
+#: Smallest number of records for a check, and smallest number of records of which the mean is used.
 FEWEST, FOR_MEAN = 3, 7
 
 
 class Rotations(NamedTuple):
-    """The largest rotations, over alpha_c, of a body under the records scaled to a demand."""
+    """The largest rotations of a body, divided by alpha_c, under the records scaled to a demand."""
 
-    records: int  #: number of records, or of pairs with the worst direction of each
-    unknown: int  #: number of records without a rotation
-    compared: float  #: mean or largest over the records [-]; inf if one overturns the body, NaN if unknown
+    records: int  #: number of records; a pair of channels counts once, with its worst direction
+    unknown: int  #: number of records under which the rotation is unknown
+    compared: float  #: mean, or with few records the largest [-]; inf if one overturns the body, NaN if unknown
     largest: float  #: largest over the records [-]
 
 
 def rotations_of(peaks: np.ndarray) -> Rotations:
-    """Return the rotations that are compared with the limits, from n largest rotations over alpha_c.
+    """Return the rotations to compare with the limits; `peaks` (n,) are the records' largest rotations over alpha_c.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def rotations_of(peaks: np.ndarray) -> Rotations:
 
 
 def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
-    """Return the rotations of each body at a demand; of several restitutions, the largest ones."""
+    """Return the rotations of each body at a demand, for the restitution with the largest ones if it has several."""
     motions, far = answers.motions, too_far(answers, demand)
     kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
     fallen, rotation = nominal_motion(answers, demand)
@@ -83,9 +83,10 @@ def check_records(
     rule: str,
     assessed: Sequence[Mechanism] | None = None,
 ) -> Checked:
-    """Check the rotations of a body according to C8.7.1.2.1.9, with the limits of its worse direction of rotation.
+    """Check the rotations of a body according to C8.7.1.2.1.9; the worse direction of rotation determines the result.
 
-    `assessed` are the mechanisms whose rotations are given; by default they are `senses`, the mechanisms of the check.
+    The limits are those of the mechanisms `senses`, one for each direction of rotation. `assessed` are the mechanisms
+    to which the rotations belong, by default the same. `rule` is the clause on the number of records, for messages.
     """
     statement = ""
     if rotations.records < FEWEST:
@@ -110,7 +111,7 @@ def _checked(body: Mechanism, assessed: Mechanism, rotations: Rotations, limit_s
     return Checked(displacement=allowed, displacement_demand=demand, displacement_ratio=min(ratios))
 
 
-#: Settings of a body that either the codes or the time histories do not use.
+#: Settings in which checked and assessed bodies may differ, as the codes or the time histories do not use them.
 NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 NOT_SHARED |= {"elastic_modulus", "kappa"}
 UNLIMITED = "a tie without ultimate: no displacement is known at which it breaks, and d_0 is that without ties"
@@ -140,13 +141,14 @@ def check(
     -------
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-], `share` e* [-] and `initial_period` T_0 [s], 0 if the body is rigid
-        until it opens. Over (block, code), where "circolare_2019_records" gives "records_slv" and "records_slc",
-        followed by the name of the demand if there are several: `records`, the number of records; `activation` and
+        until its mechanism opens. Over (block, code): `records`, the number of records; `activation` and
         `activation_demand` [m/s2] and their `activation_ratio`; `displacement` and `displacement_demand` [m], their
         `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes; it is
-        for the worse direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given,
-        over (block), for the worst of several restitutions: `probability` of overturning; `factor_50`, the median over
-        the records (of a pair the direction with the smallest factor); and `beside`, the reason for NaN in these.
+        that of the worse direction of rotation, named in `activation_sense` and `displacement_sense`. The code
+        "circolare_2019_records" has two columns, "records_slv" and "records_slc", followed by the name of the demand if
+        there are several. If results are given, over (block), for the worst of several restitutions: `probability` of
+        overturning; `factor_50`, the median over the records of the scale factor at P = 50 % (of a pair of channels, in
+        the direction where it is smallest); and `beside`, the reason if these two are NaN.
 
     Raises
     ------
@@ -212,12 +214,12 @@ def check(
     )
 
 
-#: The mechanisms of each body or the reason why it has none, and the floors under it.
+#: For each body, by name: its mechanisms, the reason why it has none, and the floors below it.
 _Mechanisms: TypeAlias = Mapping[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]]
 
 
 def _mechanisms(config: Config, confidence_factor: float = 1.0) -> _Mechanisms:
-    """Return the mechanisms of all bodies; their compressive strength is divided by the confidence factor."""
+    """Return the mechanisms of all bodies, whose compressive strength is divided by the confidence factor."""
     found: dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]] = {}
     for body in config.bodies:
         try:
@@ -256,10 +258,10 @@ def _of_records(
     others: Mapping[str, str],
     rule: str,
 ) -> dict[str, list[Checked]]:
-    """Return the checks of rotations under records, for each demand and limit state, by the name of the code.
+    """Return the checks of the rotations of all bodies, by column; each demand and limit state has its own column.
 
-    A demand whose name contains SLV or SLC is used only for this limit state. The rotations belong to the mechanisms
-    `assessed`, whose strength is not divided by the confidence factor.
+    A demand whose name contains SLV or SLC is checked only for this limit state. The limits are those of the mechanisms
+    `found`. The rotations belong to the mechanisms `assessed`, whose strength is not divided by the confidence factor.
     """
     columns: dict[str, list[Checked]] = {}
     for demand in answers.demands:
@@ -275,9 +277,9 @@ def _of_records(
 
 
 def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (the reason for missing values) of m bodies, from the results.
+    """Return `probability`, `factor_50` and `beside` (the reason if these two are NaN) of m bodies, from the results.
 
-    `others` gives for each body the reason why the results are of a different body, or an empty text.
+    `others` states for each body why the results describe a different body; the text is empty if they do not.
     """
     beside = [why or ("" if answers.probable else "the results contain no probability") for why in others.values()]
     probability, factor = np.full((2, len(beside)), math.nan)
@@ -300,7 +302,7 @@ def _bodies(config: Config) -> dict[str, BlockSettings]:
 
 
 def _others(answers: Answers, stored: str, config: Config) -> dict[str, str]:
-    """Return, for each body of a configuration, why the results are of a different body; empty if they are not."""
+    """Return, for each body of a configuration, why the results describe a different body; empty if they do not."""
     assessed = _bodies(config_from_text(stored))
     return {name: _why_not(name, answers, assessed.get(name), body) for name, body in _bodies(config).items()}
 

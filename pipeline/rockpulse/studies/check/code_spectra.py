@@ -1,9 +1,9 @@
 """Elastic response spectra from codes, tables and functions.
 
-.. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta = sqrt(10/(5 +
-   xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S eta F_0 up to
-   T_C, decreasing with T_C/T up to T_D and with T_C T_D/T^2 beyond (EN 1998-1, 3.2.2.2, (3.2)-(3.6); NTC 2018,
-   3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
+.. note:: F_0 is the plateau (2.5 in EN 1998-1), T_B, T_C and T_D are the corner periods, S is the soil factor and eta =
+   sqrt(10/(5 + xi)), at least 0.55, with the damping xi in percent. S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B,
+   and a_g S eta F_0 up to T_C; it is multiplied by T_C/T up to T_D, and by T_C T_D/T^2 beyond (EN 1998-1, 3.2.2.2,
+   (3.2)-(3.6); NTC 2018, 3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
 """
 
 import math
@@ -116,13 +116,13 @@ class GivenSpectrum:
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
 
 
-#: A spectrum with a method for the largest displacement, and any elastic spectrum.
+#: Spectra with the method `displacement`, and all elastic spectra.
 DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
 ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """Return the spectrum of [check]; file names are relative to `folder`. Raise ConfigError if none is given."""
+    """Return the spectrum given in [check], whose file names are relative to `folder`; ConfigError if none is given."""
     if settings.file is not None:
         return TabledSpectrum(*read_spectrum(folder / settings.file), str(folder / settings.file))
     if settings.ag is None:

@@ -1,15 +1,16 @@
 """Code checks from the geometry of a body and an elastic spectrum, on the ground and on floors.
 
-.. note:: With the multiplier alpha_0, e* and d_0 of :mod:`rockpulse.studies.check.mechanism`, q, FC and the modes T_k,
-   xi_k, gamma_k psi_k of the building. Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear, a_0* >=
-   a_g S/q and on floors S_e(T_1) psi gamma/q; nonlinear on the ground, d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi
-   sqrt(d_s*/a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) on floors (C8.7.1.8, C7.2.8);
-   displacement, d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10,
-   .11), with a damping of 8 or 10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12; d_SLV ends also
-   where ties break that carry half of the capacity, both where a beam loses its support (C8.7.1.2.1.6). An element that
-   is free to vibrate opens at S_eZ(T_0) (C8.7.1.9) instead of a_Z. Frames: F_a = S_a W_a/q_a, S_a of C7.2.11.
-   EN 1998-1, 4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at
-   least alpha S (4.25). T_a = T_0, or 0 for a rigid block.
+.. note:: alpha_0, e* and d_0 are defined in :mod:`rockpulse.studies.check.mechanism`; q is the behaviour factor, FC the
+   confidence factor, and T_k, xi_k and gamma_k psi_k are period, damping and participation of a mode of the building.
+   Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear check: a_0* >= a_g S/q, and on floors S_e(T_1)
+   psi gamma/q; nonlinear check on the ground: d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi sqrt(d_s*/a_s*) at d_s* = 0.4
+   d_u*. Circolare 7/2019: linear check: the same, with a_Z(z) on floors (C8.7.1.8, C7.2.8); displacement check: d_SLV =
+   0.4 d_0 or d_SLC = 0.6 d_0 >= S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10, .11), with a damping of 8 or
+   10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. d_SLV is at most the displacement at which
+   ties with more than half of the capacity have broken; both are at most that at which a beam loses its support
+   (C8.7.1.2.1.6). For an element that is free to vibrate before it opens, S_eZ(T_0) (C8.7.1.9) replaces a_Z. Elements
+   of framed buildings: F_a = S_a W_a/q_a, S_a of C7.2.11. EN 1998-1, 4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a =
+   alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S (4.25). T_a = T_0, or 0 for a rigid block.
 """
 
 import math
@@ -34,7 +35,7 @@ from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 
 #: Circolare 617/2009: d_u*/d_0* and d_s*/d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
-#: Circolare 7/2019, for each limit state: d/d_0 [-], the factor in T [pi], and the damping of the mechanism [-].
+#: Circolare 7/2019, for each limit state: allowed d/d_0 [-], the factor of pi in T, and the damping ratio [-].
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
 #: a and b of Circolare 7/2019, C7.2.6: the plateau of the floor spectrum is between periods of a T_k and b T_k.
 PLATEAU = (0.8, 1.1)
@@ -45,16 +46,16 @@ FRAMES = ((0.8, 1.4, 5.0), (0.3, 1.2, 4.0), (0.3, 1.0, 2.5))
 class Checked(NamedTuple):
     """The result of checking one body according to one code; values that are unnecessary or unknown are NaN."""
 
-    activation: float = math.nan  #: spectral acceleration that activates the mechanism, with FC [m/s2]
-    activation_demand: float = math.nan  #: demand on that acceleration, with q [m/s2]
+    activation: float = math.nan  #: acceleration that activates the mechanism, divided by FC if the code says so [m/s2]
+    activation_demand: float = math.nan  #: acceleration demand, divided by the behaviour factor [m/s2]
     displacement: float = math.nan  #: allowed spectral displacement [m]
-    period: float = math.nan  #: period of the displacement demand [s]
-    displacement_demand: float = math.nan  #: demand on the spectral displacement [m]
+    period: float = math.nan  #: period at which the displacement demand is read [s]
+    displacement_demand: float = math.nan  #: spectral displacement demand [m]
     displacement_ratio: float = math.nan  #: allowed displacement over demand [-]; passes if at least 1
     statement: str = ""  #: reason for missing values
     records: int = 0  #: number of records of a check of rotations
-    activation_sense: str = ""  #: one of SENSES; empty if both are equal
-    displacement_sense: str = ""
+    activation_sense: str = ""  #: direction of this activation, one of SENSES; empty if both are equal
+    displacement_sense: str = ""  #: direction of this displacement ratio
 
     @property
     def activation_ratio(self) -> float:
@@ -99,7 +100,8 @@ def circolare_2019(
     allowed = allowed_displacement(body, settings.limit_state)
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
     if pull <= 0.0:  # a tie breaks before the displacement that the weights alone allow
-        return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")
+        why = "no resistance is left at the allowed displacement"
+        return Checked(activation, asked / settings.q, allowed, statement=why)
     period = factor * math.pi * math.sqrt(allowed / pull)
     linear = settings.limit_state == "slv"
     found = Checked(activation, asked / settings.q if linear else math.nan, allowed, period)
@@ -111,7 +113,7 @@ def circolare_2019(
         displacement_demand=demand,
         # A mechanism that is not activated passes (C8.7.1.2.1.8).
         displacement_ratio=max(allowed / demand, activation / asked),
-        statement="" if linear else "the analysis with q is for SLV only",
+        statement="" if linear else "the linear analysis with q is for SLV only",
     )
 
 
@@ -124,7 +126,7 @@ def allowed_displacement(body: Mechanism, limit_state: str) -> float:
 def en_1998(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """Check the force on a non-structural element (EN 1998-1, 4.3.5.2) against the restoring moment of its weight."""
+    """Check a non-structural element (EN 1998-1, 4.3.5.2): the seismic force against the force that starts rocking."""
     levels = [one.level for one in floors if one.level is not None]
     opens = body.multiplier * body.gravity
     if floors and not levels:
@@ -138,11 +140,12 @@ def en_1998(
 def circolare_2019_frame(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """Check the force on a non-structural element of a framed building (NTC 2018, 7.2.3; Circolare 7/2019, C7.2.11)."""
+    """Check a non-structural element of a framed building as in :func:`en_1998` (Circolare 7/2019, formula C7.2.11)."""
     levels = [one.level for one in floors if one.level is not None]
     opens = body.multiplier * body.gravity
     if not levels:
-        return Checked(opens, statement="C7.2.11 is for a framed building: give [[block.floor]] with its level")
+        why = "formula C7.2.11 is for a framed building: give [[block.floor]] with its level"
+        return Checked(opens, statement=why)
     first = max(one.period for one in floors)
     start, end, most = FRAMES[int(first >= 0.5) + int(first > 1.0)]
     apart = max(0.0, 1.0 - body.initial_period / (start * first), body.initial_period / (end * first) - 1.0)
@@ -172,7 +175,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Return the largest spectral displacement [m] at periods up to `period`: (C8.7.1.2.1.8); (C8.7.1.12) on floors."""
+    """Return the spectral displacement demand [m] at a period [s]: C8.7.1.2.1.8; formula C8.7.1.12 on floors."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -262,7 +265,7 @@ def kinematic_check(
     ground : float
         a_g S, the peak ground acceleration on the soil of the site [m/s2].
     behaviour, confidence_factor : float
-        q, 2 in the circular; FC, confidence factor for the knowledge of the building, at least 1.
+        Behaviour factor q, 2 in the circular, and confidence factor FC for the knowledge of the building; at least 1.
 
     Raises
     ------

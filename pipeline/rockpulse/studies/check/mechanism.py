@@ -19,7 +19,7 @@ from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
-#: Relative distance from a displacement at which the multiplier changes abruptly.
+#: Relative distance from a jump of the multiplier at which its value before or after the jump is computed.
 ROUNDING = 1e-9
 #: Names of the directions of rotation in :func:`senses_of`.
 SENSES = ("positive", "negative")
@@ -35,10 +35,10 @@ class Weight(NamedTuple):
 
 
 class Force(NamedTuple):
-    """A horizontal force that resists the rotation while its point of action is within a range of displacements."""
+    """A horizontal force on a body, which acts while the displacement of its point is within a range."""
 
-    force: float  #: [N]; negative if it drives the rotation
-    height: float  #: [m]
+    force: float  #: [N]; positive if it resists the rotation
+    height: float  #: height above the corner [m]
     begins: float = 0.0  #: displacement from which the force acts [m]
     ends: float = math.inf  #: displacement up to which the force acts [m]
     tie: bool = False
@@ -103,7 +103,7 @@ class Mechanism:
 
     @property
     def rupture_displacement(self) -> float:
-        """Spectral displacement [m] at which ties break that provide more than half of the largest multiplier."""
+        """Spectral displacement [m] at which ties with more than half of the largest multiplier have broken; or inf."""
         ties = sorted((one for one in self.forces if math.isfinite(one.ends)), key=lambda one: one.ends / one.height)
         begins = (one.begins / one.height * (1.0 + ROUNDING) for one in self.forces)
         most, lost = max(self.at(rotation) for rotation in (0.0, *begins)), 0.0
@@ -153,7 +153,7 @@ def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] 
 def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
     mass, radius, alpha = float(body.mass), float(body.radius), float(body.alpha_c)
     weight = body.gravity * mass if math.isfinite(mass) else 1.0
-    # The weight of the carried loads, too, crushes the edge.
+    # The edge is crushed by the weight of the body and of the carried loads.
     inside = Restraints(hinge=float(block.hinge))
     arm, height = radius * math.sin(alpha) + float(body.hinge) - inside.hinge, radius * math.cos(alpha)
     base = arm + float(body.radius_2) * math.sin(body.alpha_2) + float(body.hinge) - inside.hinge
@@ -167,7 +167,7 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 def mechanisms(body: BlockSettings, confidence_factor: float = 1.0) -> dict[str, tuple[Mechanism, ...]]:
     """Return the mechanisms of a body by name, alone and with each of its pedestals (see :func:`senses_of`).
 
-    Its compressive strength is divided by `confidence_factor`.
+    The compressive strength of the body is divided by `confidence_factor`.
     """
     if body.compressive_strength is not None:
         body = replace(body, compressive_strength=body.compressive_strength / confidence_factor)

@@ -33,7 +33,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status FITTED if a curve can be fitted to the data, otherwise the status of the reason."""
+    """Return the status FITTED if a curve can be fitted to the data, otherwise the status that states why not."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -56,7 +56,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """Return the reason for a missing band, or an empty list; `slopes` are b with all, then without each event."""
+    """Return the reason for a missing band, if any; `slopes` are b fitted to all events, then without each event."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:

@@ -26,7 +26,7 @@ from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Return beta divided by the beta of a reference curve, with its lower and upper limit (jackknife); else NaN."""
+    """Return beta divided by the beta of a reference curve, and the jackknife limits of this ratio; NaN if unknown."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -70,13 +70,13 @@ class Ensemble:
     qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
     facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
     factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all scale factors [-]
-    step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first
+    step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first one
     reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
     weight: np.ndarray | None  # (n, r) weight of each scale factor [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Return the observations for one limit state, one measure and some bodies (`lanes`), all given by index."""
+        """Return the observations of some bodies for a limit state and a measure; all arguments are indices."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -101,7 +101,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (records, STATED) from the files; exp(magnitude) for the magnitude, NaN if unknown."""
+        """Properties (records, STATED) that the files state, NaN if unknown; a magnitude M is given as exp(M)."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -115,7 +115,7 @@ class Ensemble:
 
 
 def gather_ensemble(parts: Sequence[Part], config: Config) -> Ensemble:
-    """Join parts, the first of which may have no rows, into one ensemble, sorted by record id."""
+    """Join the parts of all records into one ensemble, sorted by record id; a part may have no rows."""
     done = joined(parts)
     return Ensemble(
         ids=done["record"].tolist(),

@@ -101,7 +101,7 @@ class FragilityAnalysis(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays without rows, with the names, types and further dimensions of every part."""
+        """Arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
@@ -176,8 +176,8 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
             stored.IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step}
         )
         variables["factor"].attrs["comment"] = (
-            f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
-            "search_step; too high if a limit state is reached only in a narrower interval"
+            f"searched up to a scale factor of {search.factor_max:g}, with {search.points} scale factors for each body "
+            "in steps of search_step; too high if a limit state is reached only in a narrower interval"
         )
     else:
         reached = np.moveaxis(data.reached, 3, 1)

@@ -21,7 +21,7 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observed capacities in one intensity measure, exact or only above or below a level, sorted by level."""
+    """Observed capacities in one intensity measure, sorted by level; each equals its level, is above it, or is not."""
 
     level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
@@ -144,7 +144,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return each row's log-likelihood, without its term log b, and its first two derivatives in z, each (q, n).
+    """Return each row's log-likelihood, and its first two derivatives in z without the term log b; each (q, n).
 
     `design` (n, k) has the columns 1, ln x and any covariates; z = design @ theta. `theta` (q, k) are the parameters
     (a, b, ...) of q data sets; b must be positive if a row is EXACT.
@@ -162,7 +162,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the maximum-likelihood parameters (q, k) for q data sets, given by their weights (q, n); else NaN."""
+    """Return the maximum-likelihood parameters (q, k) of q data sets, the rows of `weights` (q, n); or NaN."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

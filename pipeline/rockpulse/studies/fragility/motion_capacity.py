@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Return (states, factors, blocks): 1 if the state is reached, 0 if not, NOT_KNOWN without a result."""
+    """Return an array (states, factors, blocks): 1 if the state is reached, 0 if not, NOT_KNOWN if unresolved."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -114,12 +114,13 @@ def motion_capacity(
     "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
     order of ``[fragility] measures``, and "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
     "factors" (1, s, m), the first scale factor that reaches each limit state (inf: not reached), and "step" (1, m).
-    Other analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), one for each row of the record
-    in a `selection`. An incremental analysis ends at the limits of ``[fragility] factors``; stripes beyond these limits
-    are unknown.
+    Other analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r) of r scale factors: one for each
+    stripe, or for each row of the record in a `selection`. An incremental analysis ends at the limits of ``[fragility]
+    factors``; stripes beyond these limits are unknown.
 
-    For a body beside a wall, the record and its reverse are two observations of one earthquake. Raises ValueError if a
-    record has no intense phase or the model rejects it, TooWeak if its PGA is too small or it is not in the selection.
+    With a body beside a wall, the arrays have two rows, for the record and its reverse, two observations of one
+    earthquake. Raises ValueError if the record has no intense phase or the model rejects it, TooWeak if its PGA is too
+    small or it is not in the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -182,7 +183,7 @@ def _stripes(config: Config, selection: SelectedRecords | None) -> int:
 
 
 def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
-    """Return the weight of each scale factor of a record, by name; empty for an incremental analysis."""
+    """Return the array "weight" of the scale factors of a record; no array for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -194,7 +195,7 @@ def _weights(record: str, config: Config, selection: SelectedRecords | None) -> 
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
-    """Return the measures of the motion `ground`, and the capacities of blocks that move under the motion `there`."""
+    """Return the intensity measures of `ground`, and the capacities of blocks whose base moves as in `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -218,7 +219,7 @@ def _capacity(
 
 
 def empty_capacity(lanes: int, config: Config, selection: SelectedRecords | None = None) -> Part:
-    """Return the arrays of :func:`motion_capacity` and "event" without rows."""
+    """Return the arrays of :func:`motion_capacity`, and "event", with no rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

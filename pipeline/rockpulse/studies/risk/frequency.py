@@ -2,8 +2,8 @@
 
 .. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
    hazard are reported. In PGA, levels below the uplift PGA of a body on the ground contribute nothing. A body that
-   overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence q, survival
-   allows frequencies up to -ln(1 - q)/T; a larger frequency contradicts the hazard, as it is proportional to that.
+   overturns lambda times a year survives T years with the probability exp(-lambda T). If it has survived T years,
+   frequencies above -ln(1 - q)/T are excluded at the confidence q; a hazard that gives such a frequency is too high.
 """
 
 import math
@@ -39,8 +39,8 @@ COMPONENTS = {
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
-        "the first level at which each record reaches the limit state (ida); a body may stand at higher ones, so the "
-        "frequency is not underestimated"
+        "the first level at which each record reaches the limit state (ida); a body may survive higher levels, so "
+        "the frequency is not underestimated"
     ),
     "cloud": "records as they are, not scaled (cloud)",
 }
@@ -108,7 +108,7 @@ def fragility_frequency(
     level = float(fragility.attrs["confidence"]) if confidence is None else confidence
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < level < 1.0 or resamples < 0:
         raise ConfigError(
-            "years, confidence, resamples: expected a positive time, a share between 0 and 1 and a number of draws, "
+            "years, confidence, resamples: expected a positive time, a confidence between 0 and 1 and a whole number, "
             f"got {years!r}, {level!r}, {resamples!r}"
         )
     ensemble = stored_ensemble(fragility)
@@ -171,7 +171,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return a frequency and the values derived from it; the records cover exp(`low`) to exp(`high`)."""
+    """Return a frequency and the values derived from it; the data cover the levels from exp(`low`) to exp(`high`)."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -274,7 +274,8 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     [0.006738, 0.000599, 0.599146, 1.0]
     """
     if not (math.isfinite(age) and age > 0.0) or not 0.0 < confidence < 1.0:
-        raise ConfigError(f"age, confidence: expected a positive time and a share below 1, got {age!r}, {confidence!r}")
+        wrong = f"got {age!r}, {confidence!r}"
+        raise ConfigError(f"age, confidence: expected a positive time and a confidence between 0 and 1, {wrong}")
     frequency, low, high = (risk[f"frequency{end}"].values for end in ("", "_low", "_high"))
     largest = np.full(frequency.shape, -math.log1p(-confidence) / age)
     values = {

@@ -1,4 +1,4 @@
-"""Seismic hazard, the annual rate of exceedance of an intensity measure: a power law, a table, or a hazard per body.
+"""Seismic hazard, the annual rate of exceedance of an intensity measure: a power law, a table, or one for each body.
 
 .. note:: A hazard is an annual rate of exceedance H over levels x in SI units. A curve is linear in the logarithms
    between its points, and is extrapolated with its outermost slopes. With the soil factor S, the rate of x at the
@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """Return the factor that converts a unit to SI; raise ConfigError for an unknown unit, located by `where`."""
+    """Return the factor that converts a unit to SI; ConfigError, which begins with `where`, for an unknown unit."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,7 +29,7 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the measure if hazards can be given in it; otherwise raise ConfigError, located by `where`."""
+    """Return the measure if a hazard can be given in it; otherwise raise ConfigError, which begins with `where`."""
     if measure not in HAZARD:
         found = f"found {measure!r}{hint(measure, HAZARD)}"
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {found}")
@@ -37,7 +37,7 @@ def known_measure(measure: str, where: str) -> str:
 
 
 class _Hazard(ABC):
-    """The base class of hazards at one point: the annual rate of exceedance over levels of a measure."""
+    """Base class of the hazard at one point: the annual rate at which each level of a measure is exceeded."""
 
     measure: str
     unit: str
@@ -68,7 +68,7 @@ class _Hazard(ABC):
 
     @abstractmethod
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate at levels given by ln, in SI units."""
+        """Return the logarithm of the annual rate [1/year] at the logarithms of levels in SI units."""
 
 
 @dataclass(frozen=True)
@@ -133,16 +133,16 @@ class PowerLawHazard(_Hazard):
         return np.array([self.k])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate at levels given by ln, in SI units."""
+        """Return the logarithm of the annual rate [1/year] at the logarithms of levels in SI units."""
         one = math.log(self.unit_in_si * self.soil_factor)
         return np.asarray(math.log(self.k0) - self.k * (log_level - one))
 
     def log_density(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of -dH/d ln x [1/year] at logarithms of levels in SI units."""
+        """Return the logarithm of -dH/d ln x [1/year] at the logarithms of levels in SI units."""
         return math.log(self.k) + self.log_rate(log_level)
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of the rate over ln x from ln of a level, in SI units, to infinity [1/year]."""
+        """Return the integral [1/year] of the rate over ln x, from `log_level` (of a level in SI units) to infinity."""
         return np.exp(self.log_rate(log_level)) / self.k
 
 
@@ -164,8 +164,8 @@ class HazardCurve(_Hazard):
     Raises
     ------
     ConfigError
-        For fewer than two points, levels or rates that are not positive or not in order, equal last rates, or an
-        unknown measure or unit.
+        For fewer than two points, levels or rates that are not positive or not in order, two equal last rates, or
+        an unknown measure or unit.
 
     Examples
     --------
@@ -221,17 +221,17 @@ class HazardCurve(_Hazard):
         return np.clip(np.searchsorted(self.knots, log_level, side="right") - 1, 0, self.slopes.size - 1)
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate at levels given by ln, in SI units."""
+        """Return the logarithm of the annual rate [1/year] at the logarithms of levels in SI units."""
         piece = self._piece(log_level)
         return np.asarray(np.log(self.rates[piece]) - self.slopes[piece] * (log_level - self.knots[piece]))
 
     def log_density(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf if the rate is constant."""
+        """Return ln(-dH/d ln x) [1/year] at the logarithms of levels in SI units; -inf if the rate is constant."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.slopes[self._piece(log_level)]) + self.log_rate(log_level))
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of the rate over ln x from ln of a level, in SI units, to infinity [1/year]."""
+        """Return the integral [1/year] of the rate over ln x, from `log_level` (of a level in SI units) to infinity."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
         level = self.slopes == 0.0  # never in the last piece
@@ -260,7 +260,8 @@ class SiteHazards:
     hazards : tuple of PowerLawHazard or HazardCurve
         The distinct hazards, all of one measure and unit.
     of_body, distance : (m,) ndarray
-        Index of the hazard of each body, and the distance of its grid point from the site [m]; NaN if unknown.
+        Index of each body's hazard, and distance [m] of the body's site from the point for which this hazard is given;
+        NaN if unknown.
 
     Raises
     ------
@@ -297,7 +298,7 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """Return the hazards of bodies, given by a row of `keys` for each; `hazard` makes a hazard from a row."""
+        """Return the hazards of bodies; `hazard` makes each hazard from a row of `keys`, which has a row per body."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
@@ -319,7 +320,7 @@ class SiteHazards:
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level common to all hazards; NaN if they differ."""
+        """First and last level of the hazards; NaN if it is not the same for all of them."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
@@ -344,11 +345,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate for each body, at levels (m, ...) given by ln, in SI units."""
+        """Return the logarithm of each body's annual rate at the logarithms (m, ...) of levels in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return, for each body, the integral of the rate over ln x from ln of levels (m, ...) to infinity [1/year]."""
+        """Return each body's integral [1/year] of the rate over ln x, from `log_level` (m, ...) to infinity."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
@@ -360,7 +361,7 @@ class SiteHazards:
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """Return `count` positive numbers, one for each body; a single number is repeated. ConfigError for other input."""
+    """Return a positive number for each of `count` bodies, from one or `count` numbers; else raise ConfigError."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

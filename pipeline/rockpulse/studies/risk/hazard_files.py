@@ -1,4 +1,4 @@
-"""Reads hazard curves of one or many points: rates or probabilities, OpenQuake files, or return periods."""
+"""Reads hazard curves of one or many points: tables of rates, probabilities or return periods, and OpenQuake files."""
 
 import re
 from collections.abc import Callable
@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """The content of a hazard file: levels in its own unit and annual rates [1/year], for one or n points."""
+    """The content of a hazard file: levels in the unit of the file, and annual rates [1/year], for one or n points."""
 
     path: str
     measure: str
@@ -62,7 +62,7 @@ class _Sheet(NamedTuple):
             )
         warnings += self.warnings
         if self.rock and soil_factor == 1.0:
-            warnings += ("a_g is that on rock: for other ground, set soil_factor",)
+            warnings += ("a_g is given for rock: for other ground, set soil_factor",)
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
@@ -71,9 +71,9 @@ class _Sheet(NamedTuple):
             if site is None:
                 return 0, ()
             raise ConfigError(
-                f"{self.path}: one hazard curve without coordinates, so no site can be looked up in it; remove the "
-                "longitude and latitude of the site, or give a file of several sites (OpenQuake's hazard curves or the "
-                "grid of NTC 2008)"
+                f"{self.path}: the file has one hazard curve without coordinates, so no site can be looked up in it; "
+                "remove the longitude and latitude of the site, or give a file of several sites (OpenQuake's hazard "
+                "curves or the grid of NTC 2008)"
             )
         if site is not None:
             rows, distance = nearest_places(self.path, self.places, _checked_sites([site]))
@@ -95,7 +95,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
         A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0) [g]")
         and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods of
         Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, one row per grid point
-        with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with the periods in the line above.
+        with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with the periods in a line above.
         If the delimiter is ";" or a tab, a comma is a decimal comma.
     site : (float, float), optional
         Longitude and latitude [degrees], for a file of several points: the nearest point up to 50 km away is used.
@@ -154,9 +154,9 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
-            f"{path}: one hazard curve without coordinates, so the sites of the bodies cannot be looked up in it; "
-            "give a file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove longitude and "
-            "latitude from the table of bodies"
+            f"{path}: the file has one hazard curve without coordinates, so the sites of the bodies cannot be looked "
+            "up in it; give a file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove "
+            "longitude and latitude from the table of bodies"
         )
     rows, distance = nearest_places(sheet.path, sheet.places, asked)
     keys = np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1)
@@ -205,7 +205,7 @@ def site_hazards_of(
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """Return a function that makes the hazard of [hazard] for a given soil factor."""
+    """Return a function that returns the hazard of section [hazard] for a soil factor."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -279,7 +279,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """Return the lines with one heading: return periods in a first line ("TR = 30") are added to the column names."""
+    """Return the lines with one line of column names, with the return periods of a line above it ("TR = 30") added."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)
@@ -352,7 +352,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
+    """Return the index of the point nearest to each site, and its distance [m]; ConfigError if it exceeds 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 

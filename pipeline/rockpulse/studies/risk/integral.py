@@ -23,7 +23,7 @@ from rockpulse.studies.fragility.curves import standardised
 from rockpulse.studies.fragility.likelihood import Family, Observations, maximise
 from rockpulse.studies.risk.hazard import Hazard
 
-#: Number of nodes in a piece, and length of a piece times the steepest slope of the fragility or the hazard.
+#: Number of nodes in each piece, and its length multiplied by the steepest slope of the fragility or the hazard.
 NODES, SHARE = 8, 0.5
 #: Logarithm at which tails are truncated, and arguments beyond which the distributions round to 0 or 1.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
@@ -52,7 +52,7 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """Integrate the fragility F(A + B ln x), 0 for x below exp(`floor`), over a hazard; `line` is (A, B)."""
+    """Integrate the fragility F(A + B ln x) over a hazard; `line` is (A, B), and F is 0 for x below exp(`floor`)."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
@@ -98,13 +98,13 @@ def _decay(rate: float, length: float) -> float:
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """Return A and B of F(A + B ln x), (1 + events, 2): fitted to all data, then with one earthquake left out each."""
+    """Return A and B of F(A + B ln x) as rows: fitted to all data, then with each earthquake left out in turn."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """Return A and B (q, 2) of F(A + B ln x), fitted with each of q rows of earthquake weights; NaN without a fit."""
+    """Return A and B (q, 2) of F(A + B ln x), fitted with each row of `weights` (q, events); NaN if a fit fails."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
@@ -139,7 +139,7 @@ def band_of(
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
     drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
-    # Only earthquakes in a sample count.
+    # Earthquakes that are not in a sample have no effect on its error.
     moved = np.where(counts > 0, drawn[:, 1:] - drawn[:, :1], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt((events - 1) / events * np.sum(counts * moved**2, axis=1))

@@ -2,7 +2,7 @@
 
 .. note:: A record with the value m of a measure is scaled by x/m to reach the level x, so its effective impulse on a
    body is S x/m, and the body overturns if that exceeds g tan(alpha)/p. With the mean and standard deviation of ln(S/m)
-   over records, equal for all earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
+   over records, with equal weight of earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
    tan(alpha)/p))/deviation. The mean of the records' probabilities assumes no distribution: P_r(x) is the probability
    at the scale factor x/m, which the spectrum S(p, C) of a record gives for any slender free body. The annual frequency
    is the mean of the records' frequencies, with equal weight of earthquakes.
@@ -47,7 +47,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Return the curves from spectra and `own`, ln of the records' measures; ResultsError if C has no spectrum."""
+        """Return the curves; `own` are the logarithms of the records' measures. ResultsError if no spectrum has C."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -67,7 +67,7 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (bodies, records) of the stored interval that contains a level, or is nearest to it."""
+        """Return the index (bodies, records) of the lower of the two stored levels around, or nearest to, a level."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
@@ -100,7 +100,7 @@ def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return /spectra and, for its records, /summary; raise ConfigError for a measure that is not stored."""
+    """Return /spectra, and the rows of /summary for its records; raise ConfigError if `measure` is not stored."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
@@ -140,8 +140,9 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     Returns
     -------
     xarray.Dataset
-        Over (body, level): `probability`, the mean over records, and `lognormal`, from the `median` and `dispersion` of
-        S over (body). In PGA both are 0 below g tan(alpha). Both are NaN for a body that the spectra do not cover.
+        Over (body, level): `probability`, the mean over the records, and `lognormal`, the lognormal distribution with
+        `median` and `dispersion`, which are over (body) and follow from S. In PGA `probability` and `lognormal` are 0
+        below g tan(alpha). All are NaN for a body that the spectra do not cover.
 
     Raises
     ------
@@ -268,9 +269,9 @@ def inventory_frequency(
         Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (if the frequencies of earthquakes
         are lognormal; NaN for fewer than four), `probability` and `survival` in `years`, `median` [unit of the measure
         in SI] at which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over earthquakes and
-        records [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, from scale
-        factors beyond ``[fragility] factors``; `hazard_distance` [m] from the site to the point of its hazard. NaN for
-        a body that the spectra do not cover. In PGA, levels below g tan(alpha) contribute nothing.
+        records [-], the shares of the frequency `below` and `above` the levels of the hazard, and the share `far` from
+        scale factors outside ``[fragility] factors``; `hazard_distance` [m] from the site to the point of its hazard.
+        NaN for a body that the spectra do not cover. In PGA, levels below g tan(alpha) contribute nothing.
 
     Raises
     ------
@@ -289,7 +290,8 @@ def inventory_frequency(
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(
-            f"years, confidence: expected a positive time and a share below 1, got {years!r}, {confidence!r}"
+            f"years, confidence: expected a positive time and a confidence between 0 and 1, "
+            f"got {years!r}, {confidence!r}"
         )
     lanes = block.lanes()
     count = lanes.shape[0]
@@ -340,7 +342,7 @@ def _of_bodies(
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """Return the part (bodies, records) of the frequency from levels above `log_level`, given as ln."""
+        """Return the part (bodies, records) of the frequency from levels above a level, given by its logarithm."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

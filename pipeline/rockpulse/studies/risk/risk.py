@@ -1,4 +1,4 @@
-"""The annual frequency of a limit state at a site, from the hazard and a fragility or results for a table of bodies."""
+"""The annual frequency of a limit state at a site, from its hazard and fragility curves or overturning spectra."""
 
 import os
 from dataclasses import replace

@@ -1,9 +1,9 @@
 """Selection of records whose mean spectrum matches a target spectrum, and the tree of its results.
 
-.. note:: The scale factor of each spectrum makes the mean over the periods of its ratio to the target equal to 1, so
-   that all members are about as strong as the target. The search, by greedy choice from several starts and by exchange,
-   minimises max/min over the periods of the mean ratio of the set. Finally all scale factors are multiplied by a common
-   factor, which centres the deviations.
+.. note:: Each spectrum is scaled so that its ratio to the target, averaged over the periods, is 1; all members are then
+   about as strong as the target. Sets are built by greedy choice from several starts and improved by exchange of single
+   members, so that the spread of their mean ratio to the target, its largest value over the periods divided by the
+   smallest, is as small as possible. Finally one common factor on all scale factors centres the deviations.
 """
 
 import os
@@ -127,7 +127,7 @@ class SelectionAnalysis(Analysis):
 
     @property
     def empty_part(self) -> Part:
-        """Return the arrays of :func:`record_spectrum` and "event" without rows."""
+        """The arrays of :func:`record_spectrum`, and "event", with no rows."""
         none = np.zeros(0, dtype=str)
         return {"record": none, "event": none, "spectrum": np.zeros((0, PERIODS))}
 
@@ -233,7 +233,7 @@ class SpectrumSet(NamedTuple):
 
 
 def own_factors(ratios: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Return the scale factor with which the mean of each row of `ratios` becomes 1; NaN outside the bounds."""
+    """Return, for each row of `ratios`, the scale factor that makes its mean 1; NaN if it is outside the bounds."""
     with np.errstate(divide="ignore"):
         factors = 1.0 / ratios.mean(axis=1)
     return np.where((factors >= bounds[0]) & (factors <= bounds[1]), factors, np.nan)
@@ -249,8 +249,9 @@ def fitting_set(
 ) -> SpectrumSet:
     """Return the set of `count` spectra whose mean is nearest to the target, from (m, k) `ratios` of spectra to it.
 
-    The earthquakes must have enough spectra with a scale factor within the bounds. If the common factor that centres
-    the deviations does not keep them within the tolerance below and above the target, another one is used if it does.
+    At least `count` spectra, at most `per_event` of each earthquake, must have a scale factor within the bounds. The
+    common factor on all scale factors centres the deviations from the target, unless only another common factor keeps
+    them within the `tolerance` below and above it.
     """
     own = own_factors(ratios, bounds)
     usable = np.flatnonzero(np.isfinite(own))
@@ -268,11 +269,12 @@ def fitting_set(
 
 
 def _spread(ratios: np.ndarray) -> np.ndarray:
+    """Return the largest ratio over the periods divided by the smallest."""
     return np.asarray(ratios.max(axis=-1) / ratios.min(axis=-1))
 
 
 def _best(shapes: np.ndarray, codes: np.ndarray, others: list[int], per_event: int) -> tuple[float, int]:
-    """Find the spectrum that gives the smallest spread if added to the others; return this spread and its index."""
+    """Find the spectrum that, added to the others, gives the smallest spread; return this spread and its index."""
     taken = np.bincount(codes[others], minlength=codes.max() + 1)[codes] >= per_event
     taken[others] = True
     spread = np.where(taken, np.inf, _spread(shapes[others].sum(axis=0) + shapes))
@@ -288,7 +290,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Repeat the exchange of one member that reduces the spread most, while there is one; return the members."""
+    """Exchange one member at a time, always for the smallest spread, until none reduces it; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

@@ -1,8 +1,8 @@
 """A conventional solver, used to compare errors and run times: scipy's ``solve_ivp``, restarted after each impact.
 
-It is tuned for speed. Time at rest is skipped up to the next sample above the threshold of uplift, a run ends when the
-block overturns, the first step of a very short free motion is as long as the motion, and the peak after the end of the
-record follows from the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
+It is tuned for speed: from rest, the solver skips to the next sample that lifts the block; a run ends when the block
+overturns; the first step of a very short free motion is as long as the motion; and the peak after the end of the
+record is computed from the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
 """
 
 import math
@@ -41,8 +41,8 @@ def baseline_response(
 
     `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-]. The
     tolerance atol [rad, rad/s] is rtol x alpha/1000 by default. The block comes to rest after an impact slower than
-    `rest_speed` times p alpha while the ground acceleration is below the threshold of uplift. The hops that are
-    neglected reach 1e-8 of alpha, less than the error of RK45 at rtol 1e-6.
+    `rest_speed` times p alpha while the ground acceleration is below the threshold of uplift. The motion that is then
+    neglected reaches rotations of 1e-8 alpha, less than the error of RK45 at rtol 1e-6.
     """
     linear = equation == "linear"
     threshold = alpha if linear else math.tan(alpha)
@@ -86,7 +86,7 @@ def baseline_response(
     t, theta, speed, side, peak, after = 0.0, 0.0, 0.0, 0, 0.0, -1
     for _ in range(MOST_HOPS):
         if side == 0:
-            # Beyond the last event: rounding could restart at the same instant endlessly.
+            # Search after the last event; by rounding, the motion could restart at the same instant again and again.
             k = int(np.searchsorted(strong, max(math.ceil(t / dt - 1e-9), after + 1)))
             if k == strong.size:
                 return Baseline(peak, "ROCKS" if moving.any() else "AT_REST", int(moving.sum()))
@@ -132,7 +132,7 @@ def baseline_response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak/alpha after the record, and whether the block overturns; `x` = theta/alpha > 0 and `u` = x'/p."""
+    """Return the peak of x = theta/alpha after the record, and whether the block overturns, from x > 0 and u = x'/p."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

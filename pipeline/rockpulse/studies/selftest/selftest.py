@@ -31,7 +31,7 @@ FEW_SAMPLES = 200
 
 
 def synthetic_motion(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Return successive parabolic half-waves with these peaks [m/s2], followed by `quiet` half-waves of zeros."""
+    """Return parabolic half-waves of `samples` samples with these peaks [m/s2], then `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
@@ -142,7 +142,7 @@ def solve_case(stored: AnsweredCase) -> CaseResult:
 
 
 def _cost(start: float, active: int) -> float:
-    """Return the time since `start` per sample in which the block moves [ns]; NaN without such samples."""
+    """Return the time since `start` [ns] divided by `active`, the number of samples in which the block moves."""
     return 1e9 * (time.perf_counter() - start) / active if active else np.nan
 
 

@@ -37,9 +37,10 @@ def calibrate(
 ) -> xr.DataTree:
     """Derive the design spectrum of a site, and the design sequence of each body, from a set of records.
 
-    The spectrum is the predictive quantile over earthquakes of the records' overturning spectra. The sequence has the
-    median I_s/I, interval dT and number of main impulses N of the half-waves in the intense phases (section sequence),
-    and the main impulse I with which the sequence model overturns the body at the scale factor of the spectrum.
+    The design spectrum is a predictive quantile over earthquakes of the records' overturning spectra. The sequence has
+    the median I_s/I, interval dT and number of main impulses N of the half-waves in the intense phases (section
+    sequence), and the main impulse I with which the sequence model overturns the body at the scale factor of the
+    spectrum.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The calibration of a site: computes spectrum and half-waves of each record, then design spectrum and sequence."""
+    """The calibration of a site: derives the design spectrum and sequence from the spectra and sequences of records."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -104,7 +105,7 @@ class SiteCalibration(Analysis):
         self.lanes: Block | None = None
         if blocks:
             gathered = gather_bodies(blocks)
-            refuse_floors(gathered, "a site is calibrated on the motion of its ground")
+            refuse_floors(gathered, "a calibration uses the ground motion at the site")
             self.block_names, self.lanes, _ = gathered.apart()
         rule = config.calibration.weights
         self.weights = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
@@ -116,7 +117,7 @@ class SiteCalibration(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays without rows, with the names, types and further dimensions of every part."""
+        """Arrays with no rows that have the names, types and other dimensions of the arrays of a part."""
         return empty_spectrum_record()
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
@@ -128,7 +129,7 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Compute design spectrum and sequence of the site from the results of all records."""
+        """Compute the design spectrum and the design sequence of the site from the results of all records."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))

@@ -79,16 +79,16 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
 
 #: Smallest number of earthquakes for a design spectrum.
 FEWEST_EVENTS = 5
-#: Variables of the records by the parameter of the sequence of which they give the median.
+#: For each parameter of the design sequence: the variable of the records whose median it is.
 SHAPE = {"ratio": "record_ratio", "interval": "record_interval", "main_count": "record_main_count"}
-#: Ends of the names of a value and its interval.
+#: Ends of the names of three variables: a value, and the lower and upper end of its interval.
 ENDS = ("", "_lower", "_upper")
 #: Quantiles in every file in addition to the design quantile, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused if all is zero."""
+    """Return spectrum, sequence and facts of a scaled record as arrays (1, ...); RecordRefused if it is all zeros."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
@@ -115,7 +115,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 
 def empty_spectrum_record() -> Part:
-    """Return the arrays of :func:`site_spectrum_record` and "event" without rows."""
+    """Return the arrays of :func:`site_spectrum_record`, and "event", with no rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     shape = dict.fromkeys(SHAPE.values(), np.zeros(0))
     spectrum = np.zeros((0, RATES.size, RESTITUTIONS.size))
@@ -198,7 +198,7 @@ def _shape(
     numbers: np.ndarray,
     quantiles: Callable[..., list[Quantiles]],
 ) -> dict[str, float]:
-    """Return I_s/I, dT and number of main impulses by name: medians over the records, and their intervals."""
+    """Return I_s/I, dT and the number of main impulses (medians over the records) by name, with their intervals."""
     known = (weights > 0.0) & np.isfinite(done["record_interval"])
     if not np.any(known):
         raise RecordRefused(

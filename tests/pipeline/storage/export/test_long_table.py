@@ -136,7 +136,9 @@ def test_the_rows_of_a_ragged_array_say_whose_they_are(opened):
 
 
 def test_a_group_of_several_tables_asks_which(opened):
-    with pytest.raises(ResultsError, match=r"/records contains several tables: .*--rows.* they have record; wave"):
+    with pytest.raises(
+        ResultsError, match=r"/records contains several tables: .*--rows.* the tables have record; wave"
+    ):
         selected(opened, "records")
 
 

@@ -110,7 +110,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
         (where("pga > nan"), r"pga: expected a number, found 'nan'"),
         (where("source < a"), r"source is a text: expected = or !=, found <"),
-        (RowSelection({"demand": ("collapse",)}), "this table has no demand"),
+        (RowSelection({"demand": ("collapse",)}), "this table cannot be selected by demand"),
     ],
 )
 def test_what_is_not_there_is_answered_with_what_there_is(summary, selection, message):

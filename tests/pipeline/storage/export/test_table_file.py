@@ -74,7 +74,7 @@ def test_what_a_workbook_cannot_hold_is_told_before_it_is_written(opened, tmp_pa
     with pytest.raises(ResultsError, match="--decimal-comma: expected a CSV file"):
         written(opened, tmp_path / "t.xlsx", decimal_comma=True)
     monkeypatch.setattr(typed_table, "SHEET_ROWS", 27)
-    with pytest.raises(ResultsError, match="27 rows, but a sheet has at most 26: choose fewer"):
+    with pytest.raises(ResultsError, match="27 rows, but a sheet has at most 26: select fewer"):
         written(opened, tmp_path / "t.xlsx")
     assert [path.name for path in tmp_path.iterdir()] == []
 

@@ -225,8 +225,8 @@ def many(file, pipe):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (external, "/more: a link to another place"),
-        (soft, "/more: a link to another place"),
+        (external, "/more: expected a group or a variable, found a link"),
+        (soft, "/more: expected a group or a variable, found a link"),
         (twice, "/summary/again: this object appears in the file under another name too"),
         (dataset((3,), outside=True), "/more: its values are kept in another file"),
         (virtual, "/more: its values are kept in another file"),
@@ -234,7 +234,7 @@ def many(file, pipe):
             dataset((10**6, 10**6), chunks=(1000, 1000)),
             "/more: declares 8,000,000,000,000 bytes of values, but the file contains 0",
         ),
-        (named_type, "/more: expected a group or a variable, found an HDF5 type"),
+        (named_type, "/more: expected a group or a variable, found a named data type"),
         (dataset((100,), compression="lzf"), "/more: compressed by lzf, which results files never use"),
         (many, f"more than {FEW} groups and variables"),
     ],

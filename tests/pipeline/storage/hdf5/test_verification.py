@@ -143,7 +143,7 @@ def test_a_change_of_attributes_or_names_is_found(tmp_path, name):
     with h5py.File(tmp_path / "site.h5", "a") as file:
         OF_ATTRIBUTES[name](file)
     (told,) = changes(tmp_path / "site.h5")
-    assert "attributes, or names and dimensions of variables" in told
+    assert "attributes, or the names or dimensions of variables" in told
 
 
 @pytest.mark.parametrize(

@@ -52,10 +52,10 @@ def test_what_cannot_be_checked_at_all_is_an_error():
     [
         ({"ag": 0.2}, "f0: ntc requires this key in addition to ag"),
         ({"f0": 2.4, "tc_star": 0.3}, "ag: ntc requires this key in addition to f0, tc_star"),
-        ({"spectrum": "en_1998_1", "ag": 0.2, "f0": 2.4}, 'f0: it belongs to spectrum = "ntc"'),
-        ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "put its factor into ag"),
+        ({"spectrum": "en_1998_1", "ag": 0.2, "f0": 2.4}, 'f0: it applies only to spectrum = "ntc"'),
+        ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "multiply ag by its factor"),
         ({"spectrum": "table", "ag": 0.2}, "takes its values from the file; remove this key"),
-        ({"ag": 0.2, "file": "s.csv"}, 'file: it belongs to spectrum = "table"'),
+        ({"ag": 0.2, "file": "s.csv"}, 'file: it applies only to spectrum = "table"'),
         ({"ag": 25.0}, "ag: expected a positive number in g, <= 5, found 25.0"),
     ],
 )
@@ -129,7 +129,7 @@ def test_the_period_of_a_cantilever_is_that_of_the_beam():
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
-        ({"kappa": 6.2}, "kappa: it belongs to elastic_modulus"),
+        ({"kappa": 6.2}, "kappa: it applies only with elastic_modulus"),
         ({"elastic_modulus": 1e9, "one_sided": True}, "no wall, ties, loads or thrusts"),
     ],
 )

@@ -118,7 +118,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_capacities(np.full(4, np.inf), limits=[1.0, 2.0, 3.0, 2.5]),
             Status.NOTHING_REACHED,
-            "none of 4 records reached the limit state, at levels up to 1 to 3",
+            "none of 4 records reached the limit state, although their highest levels are 1 to 3",
         ),
         (
             lambda: fit_capacities([1.2, np.inf, np.inf], limits=[5.0, 5.0, 5.0]),

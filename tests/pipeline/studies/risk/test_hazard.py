@@ -202,7 +202,7 @@ def test_the_grid_of_the_italian_norm_has_nine_return_periods_a_node(tmp_path, a
     assert "times the soil factor 1.2" in curve.words
     # Without a soil factor it is said that the levels are those on rock.
     bare = rp.load_hazard(written(tmp_path, grid(above)), (13.46, 42.37))
-    assert "a_g is that on rock" in bare.warnings[-1]
+    assert "a_g is given for rock" in bare.warnings[-1]
 
 
 def test_return_periods_by_hand_may_have_decimal_commas(tmp_path):
