@@ -342,7 +342,7 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """Return the cells with the results of each model, by model, in the order of :meth:`AnswerRows.every`."""
+    """Return, for each model, the cells with its results, in the order of :meth:`AnswerRows.every`."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 

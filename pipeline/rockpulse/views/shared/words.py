@@ -204,7 +204,7 @@ def reason_words(text: str, field: str = "reason") -> str:
 
 
 def error_words(text: str) -> str:
-    """Return an error in plain words of the current language; one without such words is quoted as English."""
+    """Return an error in plain words of the current language; an error without a translation is quoted in English."""
     found = _filled(text, section("app.error")) or _result(language(), text, "")
     return say("other.message", text=text) if found is None and _ENGLISH.search(text) else found or text
 
