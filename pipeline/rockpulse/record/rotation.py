@@ -215,7 +215,7 @@ CLOCK_SHARE = 1e-3
 
 
 def condition_pair(pair: Pair, **options: Any) -> Pair:
-    """Condition both channels of a pair in the same way, and return them at the same times over their common time.
+    """Condition both channels of a pair in the same way, and return them with the same sample times.
 
     Parameters
     ----------

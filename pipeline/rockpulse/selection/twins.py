@@ -33,7 +33,7 @@ BAND, BAND_SHARE = (0.5, 10.0), 0.4
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
 #: Width of the classes of azimuth [degrees]; only records of one class are compared as the same motion.
 SAME_LINE = 5.0
-#: Possible cause of each ratio of two peaks, which is met within 1.5 %.
+#: Possible cause of each ratio of two peaks; a measured ratio may differ from it by 1.5 %.
 CAUSES = {
     10.0: "one of them may be in mm/s2 and read as cm/s2, or in g/10 and read as g",
     9.80665: "one of them may be in g and read as m/s2",
