@@ -81,7 +81,7 @@ def test_commands_follow_each_other_also_without_a_window(window):
         ),
         (
             {"block": [{"name": "w", "width": 550, "height": 4200}]},
-            '"w": 550 x 4200: sono millimetri? Dimensione',
+            '"w": 550 x 4200: le dimensioni sono in millimetri? Dimensione',
         ),
     ],
 )

@@ -39,7 +39,7 @@ def overturning_map(
     ax: Axes | None = None,
     most: int = factor_rows.ROWS,
 ) -> Axes:
-    """Draw the scale factors at which bodies overturn, and the intervals between them in which they survive.
+    """Draw the intervals of scale factors in which bodies overturn, and those between them in which they survive.
 
     If intervals of overturning were not searched, the scale factors at P = 10 % and P = 50 % are drawn. Rows without a
     factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale

@@ -59,7 +59,7 @@ def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarr
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Format a logarithmic axis of scale factors and name the rows; rows without a factor are marked up to `last`."""
+    """Format a logarithmic axis of scale factors and name its rows; scale factors from `end` to `last` are shaded."""
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:

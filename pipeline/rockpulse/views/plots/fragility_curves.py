@@ -16,7 +16,7 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import counted_words, in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import displayed_measure, statement
 
-#: Probabilities below this value, and above one minus this value, are ignored for the range of the axis.
+#: Probabilities below this value, and above one minus this value, do not determine the range of the axis.
 _TAIL = 0.002
 #: Largest number of limit states for which single capacities are drawn besides the curves.
 _POINTS = 3

@@ -254,8 +254,8 @@ def recomputed(
     turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
     if turned and np.isfinite(own) and not abs(math.remainder(own - azimuth, 180.0)) <= FACING_WITHIN:
         raise ResultsError(
-            f"{block}: the motion in the direction of this body is not in the file: {_AGAIN}, or with its "
-            "direction as that of [records]"
+            f"{block}: the motion in the direction of this body is not in the file: {_AGAIN}, or with "
+            '[records] components = "azimuth" and the azimuth of this body'
         )
     if floors and row.takes == "half-waves":
         raise ResultsError(f"{block}: the half-waves of its floor are not in the file: {_AGAIN}, or {_OTHERS}")

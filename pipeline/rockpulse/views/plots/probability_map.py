@@ -51,7 +51,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
     if demand is not None and not answers.demands:
-        raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
+        raise ResultsError(f'demand: the results have no demand, so there is no "{demand}"; assess with a [[demand]]')
     demand = None if demand is None else one_name(answers.summary, "demand", demand)
     of_records = np.asarray(overturning_probabilities(answers, demand), dtype=float)
     if demand is not None:

@@ -152,7 +152,7 @@ def code_checks(
     """Return the code checks of the bodies, with the section [check] of `config`, or of the results if it has none.
 
     Returns None if no spectrum or no body is given, or the name of the spectrum file if this file does not exist.
-    Raises ConfigError if checks by a `code` are requested without them.
+    If a `code` is requested, a missing spectrum or body raises ConfigError.
     """
     chosen = config_from_text(str(tree.attrs.get("configuration", "")))
     if config is not None and config.check.given:

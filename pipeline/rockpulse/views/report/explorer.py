@@ -109,7 +109,7 @@ class _Scenes:
         self._plain = set(plain_bodies(answers.summary))
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return a scene for each of a body's selected records; without motions, it contains the reason."""
+        """Return a scene for each of a body's selected records; a scene without motions contains the reason."""
         found = []
         for row, why in selected_records(self._answers, lane).items():
             reasons = [self._words[one] for one in why]

@@ -122,7 +122,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """Return the main pictures: overturning spectra, and the scale factors of the worst body that they omit."""
+        """Return the main pictures: overturning spectra, and the scale factors of the worst body without a spectrum."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         from rockpulse.views.plots.drawing import has_spectra

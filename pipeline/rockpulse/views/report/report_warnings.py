@@ -133,7 +133,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _most(events: int) -> str:
-    """Return the upper confidence limit of the probability, as text, if none of the earthquakes overturns a body."""
+    """Return, as text, the upper confidence limit of P for a body that none of the earthquakes overturns."""
     return share(float(probability_interval(np.zeros(events))[1]))
 
 

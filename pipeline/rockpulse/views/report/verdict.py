@@ -111,7 +111,7 @@ def priorities(answers: Answers, found: Sequence[BodyVerdict], checked: xr.Datas
 
 
 def _of_codes(checked: xr.Dataset | None, block: str) -> tuple[Cell, str]:
-    """Return whether a body passes all criteria of the code checks, some or none, and the names of codes it fails."""
+    """Return a cell (a body passes all, some or none of the code checks), and the names of the codes that it fails."""
     if checked is None or block not in checked["block"].values:
         return Cell(ABSENT), ""
     of_body = checked[["activation_ratio", "displacement_ratio"]].sel(block=block)

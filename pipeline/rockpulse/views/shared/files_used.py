@@ -56,7 +56,7 @@ class FilesUsed:
 
     @property
     def reasons(self) -> str:
-        """Return the reasons of failures as text: first those of unused files, then those of single channels."""
+        """Return the reasons for failures as text: first for unused files, then for single channels."""
         return "; ".join(_reasons(rows) for rows in (self.unused, self.beside) if rows)
 
     @property
@@ -110,7 +110,7 @@ def failure_rows(tree: xr.DataTree) -> list[Failure]:
 
 
 def translated_row(row: Failure) -> Failure:
-    """Return a row of failures with its reason, after the names of file and record, in the current language."""
+    """Return a failure with its reason translated to the current language; names of files and records are kept."""
     if language() == "en":
         return row
     place = f"{row.place}: " if row.reason.startswith(f"{row.place}: ") else ""

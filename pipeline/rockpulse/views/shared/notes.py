@@ -17,12 +17,12 @@ from rockpulse.views.shared.words import say
 
 
 def factor_heading(factor: str) -> str:
-    """Return the column heading of a scale factor, given by its variable, such as "factor_10"."""
+    """Return the column heading of a scale factor; `factor` is the name of its variable, such as "factor_10"."""
     return say(f"column.{factor}.head")
 
 
 def factor_name(factor: str) -> str:
-    """Return the name of a scale factor within a sentence, given by its variable, such as "factor_10"."""
+    """Return the words for a scale factor in a sentence; `factor` is the name of its variable, such as "factor_10"."""
     return say(f"factor.{factor}")
 
 

@@ -1,4 +1,4 @@
-"""Facts about a record or a body as text; a missing fact is a dash, or empty if most records lack it."""
+"""Facts about a record or a body as text; a missing fact is a dash, or an empty text if most records lack it."""
 
 import json
 import math
@@ -210,7 +210,7 @@ class Known(RecordFacts):
 
     @property
     def component(self) -> str:
-        """Return the component named in the file or, if the record was rotated, the angle."""
+        """Return the component named in the file or, if the record was rotated, its azimuth."""
         stated, azimuth = self.words("component"), self.real("azimuth")
         turned = not math.isnan(azimuth) and stated == rotated_component(azimuth)
         return say("direction.rotated", angle=six_digits(azimuth)) if turned else stated

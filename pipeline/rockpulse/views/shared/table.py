@@ -67,7 +67,7 @@ class Heading(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Title of the column with its unit in brackets."""
+        """The title of the column with its unit in brackets."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 

@@ -93,7 +93,7 @@ def record_cell(name: str, pga: float, codes: str) -> Cell:
 
 
 def cell_of_record(summary: xr.Dataset) -> Callable[[int], Cell]:
-    """Return a function from the row of a record in the group /summary to a cell with its id and marks."""
+    """Return a function that gives the cell with id and marks of a record from its row in the group /summary."""
     rows = list(zip(*(summary[name].values.tolist() for name in _RECORD), strict=True))
     return lambda row: record_cell(*rows[row])
 
@@ -104,7 +104,7 @@ def record_cells(summary: xr.Dataset) -> list[Cell]:
 
 
 def marked_record(summary: xr.Dataset) -> Callable[[int], Cell]:
-    """Return a function from the row of a record to a cell of text, in which the marks follow the id."""
+    """Return a function that gives a cell from the row of a record; the text of the cell is the id and its marks."""
     cell = cell_of_record(summary)
     return lambda row: Cell(cell(row).marked)
 
@@ -342,7 +342,7 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """Return the cells with the results of each model, by model, in the order of :meth:`AnswerRows.every`."""
+    """Return, for each model, the cells with its results, in the order of :meth:`AnswerRows.every`."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 

@@ -204,7 +204,7 @@ def reason_words(text: str, field: str = "reason") -> str:
 
 
 def error_words(text: str) -> str:
-    """Return an error in plain words of the current language; one without such words is quoted as English."""
+    """Return an error in plain words of the current language; an error without a translation is quoted in English."""
     found = _filled(text, section("app.error")) or _result(language(), text, "")
     return say("other.message", text=text) if found is None and _ENGLISH.search(text) else found or text
 
@@ -221,13 +221,13 @@ def _result(of: str, text: str, code: str) -> str | None:
 
 @cache
 def _templates(of: str) -> dict[str, str]:
-    """Return the words of a language for texts without a code, by the English template."""
+    """Return the translations of texts without a code, by their English template."""
     coded = {code: table(of).get(f"warnings.{code}", "") for code in TEMPLATES if code not in _ANY_FORM}
     return {TEMPLATES[code]: words for code, words in coded.items() if words} | section("phrases")
 
 
 def _filled(text: str, templates: Mapping[str, str], inner: str = "", strict: bool = False) -> str | None:
-    """Return the words of the first template that a text is made from, with the fields of the text; None without.
+    """Return the translation of the first template that matches a text, with the fields of the text; None without one.
 
     With `strict`, a template whose fields would contain English is left out.
     """
@@ -250,7 +250,7 @@ def _part(name: str, part: str, code: str) -> str:
 
 
 def _text(name: str, text: str) -> str:
-    """Translate the text of a field; one in the section [other] is never left in English."""
+    """Translate the text of a field; the text of a field that has a key in [other] is never left in English."""
     if _QUOTED.fullmatch(text):
         return text
     return reason_words(text, name) if f"other.{name}" in table(language()) else result_text(text)
@@ -264,7 +264,7 @@ def _fixed(template: str) -> tuple[str, ...]:
 
 @cache
 def _pattern(template: str, strict: bool) -> re.Pattern[str]:
-    """Return a pattern that matches every text made from a template; the fields are named groups, if `strict` short."""
+    """Return a pattern for all texts made from a template; its named groups are the fields, short ones if `strict`."""
     pattern = ""
     for text, name, form, _ in Formatter().parse(template):
         field = _NUMBER.pattern if form else _FIELDS.get(name or "", _FIELD) if strict else ".*?"

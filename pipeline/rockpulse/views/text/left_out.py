@@ -80,7 +80,7 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
 
 
 def unused(sentence: str) -> str:
-    """Return a sentence on files that were not used as a warning; an empty sentence remains empty."""
+    """Format a sentence on unused files as a warning; an empty sentence remains empty."""
     return paragraph(sentence, "  ", "! ") if sentence else ""
 
 

@@ -17,7 +17,7 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Return smallest and median capacity/demand of the bodies as text; `blocks` contains the indices of bodies."""
+    """Return smallest and median capacity/demand of the bodies as text; `blocks` selects bodies by their indices."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
@@ -51,7 +51,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return lines with capacity/demand of every record and body; `of` states which of them begins the line."""
+    """Return a line of capacity/demand for every record and body; it begins with the record or body, as `of` states."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]

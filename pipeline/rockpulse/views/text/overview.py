@@ -215,7 +215,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 
 
 def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
-    """Return title and facts, then the results; `of` states whether a line begins with the record or the body."""
+    """Return title and facts, then the results; each line begins with the record or the body, as `of` states."""
     width = max(len(name) for name, _ in rows)
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):

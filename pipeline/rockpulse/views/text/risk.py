@@ -17,7 +17,7 @@ from rockpulse.views.shared.table_columns import Column, tabulated, titled
 
 #: Number of bodies of an inventory that are shown.
 MOST_BODIES = 10
-#: The shown levels are those between these quantiles of a frequency.
+#: Quantiles of a frequency between which the hazard levels are shown.
 ENDS = (0.05, 0.95)
 #: Kinds of levels or scale factors outside the range of the records.
 SIDES = ("below", "above", "far")
@@ -174,7 +174,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """Return the result of :func:`rockpulse.standing_test` as text, for the bodies least likely to have survived."""
+    """Return the result of :func:`rockpulse.standing_test` as text, with the bodies least likely to have survived."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values

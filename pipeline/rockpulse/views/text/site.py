@@ -128,7 +128,7 @@ def _name(name: str, within: bool) -> Cell:
 
 
 def _marked(site: xr.Dataset) -> xr.Dataset:
-    """Return the site with a mask `within` of the bodies inside the range of the rule, if it gives the spectra."""
+    """Return the site with a mask `within` of the bodies in the range of the rule, if the rule gives the spectra."""
     within = np.full(site.sizes["block"], True)
     if site.attrs["spectrum"] == "rule":
         p, alpha, c = (site[name].values for name in ("p", "alpha_c", "restitution"))

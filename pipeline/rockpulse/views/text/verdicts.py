@@ -111,7 +111,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     """Return, as text, the records that overturn each body and their number in every model, below the text `files`."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
-    # A probability already includes chance survival.
+    # P already accounts for bodies that survive by chance although a smaller scale factor overturns them.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]

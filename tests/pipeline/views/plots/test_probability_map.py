@@ -55,7 +55,7 @@ def test_at_a_demand_it_is_the_probability_there_without_records_that_are_scaled
     assert names[:2] == ["r1", "r0"]
     assert values[:, 0] == pytest.approx([0.7, 0.4, np.nan], nan_ok=True)
     assert "scaled to the demand ULS" in ax.figure.get_suptitle()
-    with pytest.raises(ResultsError, match=r"expected results with a \[\[demand\]\]"):
+    with pytest.raises(ResultsError, match="the results have no demand"):
         probability_map(tree_of(probable([0.9])), demand="ULS")
 
 
@@ -80,7 +80,7 @@ def test_of_a_pair_of_channels_the_worst_direction_counts():
     names, values = drawn(ax := probability_map(tree_of(summary, directions=pairs)))
     assert names == ["q", "p"]
     assert values[:, 0] == pytest.approx([0.9, 0.6])
-    assert "Of a pair of channels the direction" in small_print(ax)
+    assert "Each pair of channels is drawn in the direction" in small_print(ax)
 
 
 @pytest.mark.sweep

@@ -135,7 +135,8 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     told = sentence(answers(summary), verdict(summary))
     assert told.startswith("Probability of overturning 0.080, upper 90 % ")
     assert told.endswith(
-        "1 of 5 records overturn the nominal body; of the others the largest rotation is 0.30 α_c, 6.00 cm at the top."
+        "1 of 5 records overturn the nominal body; the largest rotation under the other records is 0.30 α_c, 6.00 cm "
+        "at the top."
     )
     summary = probable(
         [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]

@@ -36,8 +36,9 @@ def test_a_quality_that_files_state_has_a_column_and_it_is_said_how_many_state_i
     assert table.notes[0].startswith("12 tests: about 1 of them")
     (table,) = sufficiency_tables(efficiency)
     assert table.notes[1:] == (
-        "magnitude: stated for 8 of 10 records, of 4 earthquakes.",
-        "epicentral distance: stated for 2 of 10 records, of 1 earthquake: too few for a test, or all equal.",
+        "magnitude: stated for 8 of 10 records (4 earthquakes).",
+        "epicentral distance: stated for 2 of 10 records (1 earthquake); "
+        "the values are too few for a test, or all equal.",
     )
 
 
