@@ -86,7 +86,7 @@ class Analysis(ABC):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the records to process and their earthquakes; ConfigError for equal ids or a wrong table."""
+        """Return the records to process and their earthquakes; ConfigError for equal ids or an invalid table."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:

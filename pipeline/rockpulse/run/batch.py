@@ -35,10 +35,10 @@ ITEMS_PER_WORKER = 8
 
 
 def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Assess bodies under all records of some files, and write the results.
+    """Assess bodies under all records of files, folders and archives, and write the results.
 
-    The results equal those of :func:`rockpulse.assess`, but only the samples of a few records are in memory. Each
-    finished record is kept in ``<output>.journal``.
+    The results equal those of :func:`rockpulse.assess`, but only the samples of a few records are in memory at a
+    time. Each finished record is kept in ``<output>.journal`` until the results are written.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Derive the design spectrum of a site from all records of some files (:func:`rockpulse.calibrate`); write it.
+    """Derive the design spectrum of a site from all records of files, as :func:`rockpulse.calibrate`, and write it.
 
     Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
     raises ConfigError, and records that give no design spectrum raise RecordRefused.
@@ -95,7 +95,7 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
 
 def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility`) and write the file.
+    """Fit fragility curves to all records of files, as :func:`rockpulse.fragility`, and write them.
 
     Arguments, result and errors are as in :func:`assess_files`.
 

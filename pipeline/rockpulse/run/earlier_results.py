@@ -194,7 +194,7 @@ def _blocks(
 
 
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
-    """Return a function of a group and a dimension that returns the first row of each record and the last end."""
+    """Return a function of group and dimension; it returns each record's first row, and the end of the last record."""
     count = file.dataset("summary").sizes["record"]
 
     @cache

@@ -43,7 +43,7 @@ class Once:
 
 
 class Reference:
-    """A short key that is sent instead of a function, if it is the function that the process received last."""
+    """A short key that is sent in place of the function that the process received last."""
 
     def __init__(self, key: str) -> None:
         self.key = key
