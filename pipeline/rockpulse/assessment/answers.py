@@ -227,7 +227,7 @@ class Answers:
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies) up to which no body overturns, or their ratio to a demand's."""
+        """Return the scale factors (records, bodies) up to which no body overturns, or their ratio as in `ratios`."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.of_demand("demand_factor", demand)
@@ -264,7 +264,7 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion, as a scale factor or as its ratio to that of a demand.
+        """Return the margin of every body, block or motion: a scale factor, at a demand divided by that to the demand.
 
         For margins of bodies, motions with all directions in `left_out` (records, bodies) are excluded.
         """
@@ -306,7 +306,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable of one model, over records, bodies and, if it has them, demands and ties."""
+    """Return a stored variable of one model, over records, bodies and, for some variables, demands and ties."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})

@@ -84,8 +84,8 @@ VERB = Verb(
         },
         *BATCH,
         {
-            "--append": "add the records that are not in RESULTS yet to it, and keep its rows; PATHS must contain its "
-            "earlier records too, and options, bodies and program must be the same",
+            "--append": "keep the rows of RESULTS, and add the records that it does not contain yet; PATHS must also "
+            "contain its earlier records, and options, bodies and program must be the same",
         },
     ),
     run=_run,

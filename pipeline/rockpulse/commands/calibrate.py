@@ -33,10 +33,10 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="calibrate",
-    summary="calibrate the design of a site on its records",
-    description="Read the records of a site, compute the overturning spectrum of each and its quantiles over "
-    "earthquakes, and the impulse sequence (I, I_s, dT, n) of the site for every body, with intervals by resampling "
-    "earthquakes.",
+    summary="derive the design spectrum and sequences of a site from its records",
+    description="Read the records of a site, compute their overturning spectra and the quantiles of these over "
+    "earthquakes, and derive the impulse sequence (I, I_s, dT, n) of the site for every body, with intervals by "
+    "resampling of the earthquakes.",
     options=(from_records("SITE"), *BATCH),
     run=_run,
     examples=(

@@ -39,8 +39,7 @@ VERB = Verb(
     summary="compute fragility curves of blocks under a set of records",
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
     "confidence bands over earthquakes in every intensity measure, and report the dispersion of capacity in each "
-    "measure. Limit states, measures and the way of scaling: section [fragility] of the configuration; without one its "
-    "defaults.",
+    "measure. Limit states, measures and the way of scaling are set in section [fragility] of the configuration.",
     options=(from_records("RESULTS"), *BATCH),
     run=_run,
     examples=(

@@ -89,19 +89,22 @@ VERB = Verb(
                 {"nargs": 2, "type": float, "metavar": ("LONGITUDE", "LATITUDE")},
             ),
             "--soil-factor S": (
-                "soil factor S [-] on the levels of a hazard on rock; default: [hazard] soil_factor",
+                "soil factor S [-], a multiplier on the levels of a hazard on rock; default: [hazard] soil_factor",
                 {"type": float},
             ),
             "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility file",
             "--limit-state STATE": "limit state of the fragility file; default: overturning",
             "--years T": ("exposure time [years] of the probability; default: [hazard] years", {"type": float}),
             "--age YEARS": (
-                "time [years] that the bodies have survived: test whether it contradicts the hazard",
+                "time [years] that the bodies have survived, to test whether it contradicts the hazard",
                 {"type": float},
             ),
-            "--resamples N": ("resamples for the bands of a fragility file, 0 for none; default: 500", {"type": int}),
-            "-o --output TABLE": "file for the table (CSV) and, of a fragility file, TABLE_levels.csv with the "
-            "contribution of each range of levels; default: only printed",
+            "--resamples N": (
+                "bootstrap samples for the bands, 0 for no bands; default: 500",
+                {"type": int},
+            ),
+            "-o --output TABLE": "file for the table (CSV); for a fragility file, TABLE_levels.csv is added with the "
+            "contribution of each range of levels; default: the table is only printed",
             "--overwrite": "replace an existing file",
             "--quiet": QUIET,
         },

@@ -153,7 +153,7 @@ class _Batch:
                 self.drop_empty_journal()
             elif report.broken_off:
                 many = "1 file or record" if report.broken_off == 1 else f"{report.broken_off} files or records"
-                again = f"the same command with --resume tries them again, for which {journal.path} is kept"
+                again = f"the same command with --resume tries them again, and uses the results in {journal.path}"
                 self.log_and_tell(f"{many} could not be finished: {again}")
             else:
                 journal.remove()

@@ -104,7 +104,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     curve.write_text("LON,LAT,TR=10ag [g],TR=1000ag [g]\n13,42,0.0102,0.102\n14,42,0.0323,0.323\n".replace("TR=", "T"))
     assert main([*arguments, "--overwrite"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "of the place nearest to each body, up to 1.1 km away" in shown
+    assert "given for the point nearest to each body, up to 1.1 km away" in shown
     sited = pd.read_csv(table)
     ratio = (sited["frequency"] / found["frequency"]).to_numpy()
     assert ratio[5:] == pytest.approx(10.0 * ratio[:5].mean(), rel=2e-2)

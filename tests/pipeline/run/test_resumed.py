@@ -65,7 +65,7 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
         report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, tell=told.append))
     assert (report.records, report.broken_off) == (1, 2)
     assert sorted(row.stage for row in report.failures) == ["assess", "read"]
-    again = f"the same command with --resume tries them again, for which {output}.journal is kept"
+    again = f"the same command with --resume tries them again, and uses the results in {output}.journal"
     assert told == [f"2 files or records could not be finished: {again}"]
     with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume continues"):
         assess_files(paths, CONFIG, output, BatchOptions(workers=1))

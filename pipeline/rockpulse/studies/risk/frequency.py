@@ -102,8 +102,8 @@ def fragility_frequency(
         raise ResultsError(f"limit state: expected one of {', '.join(states)}, got {limit_state!r}")
     if hazard.measure not in measures:
         raise ResultsError(
-            f"measure: the hazard is of {hazard.measure}, the fragility has {', '.join(measures)}; add it to "
-            "[fragility] measures"
+            f"measure: the hazard is given in {hazard.measure}, but the fragility in {', '.join(measures)}; add it "
+            "to [fragility] measures"
         )
     level = float(fragility.attrs["confidence"]) if confidence is None else confidence
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < level < 1.0 or resamples < 0:

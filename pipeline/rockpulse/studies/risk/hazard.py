@@ -331,7 +331,10 @@ class SiteHazards:
         texts = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return texts
-        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *texts)
+        return (
+            f"given for the point nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away",
+            *texts,
+        )
 
     @property
     def words(self) -> str:

@@ -67,7 +67,10 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (bodies, records) of the lower of the two stored levels around, or nearest to, a level."""
+        """Return, for each body and record, the index of the interval between stored levels that contains a level.
+
+        For a level outside all intervals, it is the index of the nearest one.
+        """
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
@@ -298,7 +301,7 @@ def inventory_frequency(
     if not isinstance(hazard, SiteHazards):
         hazard = SiteHazards((hazard,), np.zeros(count, int), np.full(count, np.nan))
     if hazard.of_body.size != count:
-        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {hazard.of_body.size}")
+        raise ConfigError(f"hazard: expected one hazard for each of {count} bodies, got {hazard.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
     events = mean_weights(summary["event"].values.astype(str))
     found = {name: np.full(count, np.nan) for name in INVENTORY}

@@ -140,7 +140,7 @@ class SelectionAnalysis(Analysis):
             pairs, alone = find_pairs([one.channels[0] for one in planned if one.name in place])
             groups = [[place[channel.id] for channel in pair.channels] for pair in pairs]
             if alone:
-                reason = f"channels without a known partner, {len(alone)}: {some([row.reason for row in alone], 1)}"
+                reason = f"channels without a known partner ({len(alone)}): {some([row.reason for row in alone], 1)}"
                 failures = [*failures, Failure("[selection] components", "pair", reason, "skipped")]
         spectra = rows["spectrum"]
         with np.errstate(divide="ignore"):

@@ -265,7 +265,7 @@ def _bodies(
 
 
 def _response(blocks: Block, sequence: ImpulseSequence) -> dict[str, np.ndarray]:
-    """Return the response of m blocks to m sequences, and to the same sequences without an end, by name."""
+    """Return, by name, the response of m blocks to their m sequences, and to the same sequences without an end."""
     own = sequence_response(blocks, sequence, table_rows=int(np.max(np.asarray(sequence.main_count))), paired=True)
     endless = sequence_response(blocks, replace(sequence, main_count=None), table_rows=0, paired=True)
     assert own.half_cycles is not None

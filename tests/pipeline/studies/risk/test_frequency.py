@@ -173,7 +173,10 @@ def test_what_is_taken_for_granted_is_reported(tree, law):
     ("options", "message"),
     [
         ({"limit_state": "collapse"}, "limit state: expected one of uplift, overturning"),
-        ({"hazard": rp.PowerLawHazard(1e-3, 2.0, "sa_1")}, "the hazard is of sa_1, the fragility has pga, pgv"),
+        (
+            {"hazard": rp.PowerLawHazard(1e-3, 2.0, "sa_1")},
+            "the hazard is given in sa_1, but the fragility in pga, pgv",
+        ),
         ({"years": 0.0}, "years, confidence, resamples"),
         ({"confidence": 1.0}, "years, confidence, resamples"),
     ],

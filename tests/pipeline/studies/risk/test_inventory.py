@@ -76,7 +76,7 @@ def test_each_body_has_the_hazard_of_its_site_and_ground(results, tmp_path):
     expected = [tenth * math.cos(math.radians(42.5)), tenth, tenth * math.cos(math.radians(10.0)), 0.0]
     assert found["hazard_distance"].values == pytest.approx(expected, abs=5.0)
     assert "4 hazards of pgv in cm/s" in found.attrs["hazard"]
-    assert "of the place nearest to each body, up to 11.1 km away" in found.attrs["hazard_conditions"]
+    assert "given for the point nearest to each body, up to 11.1 km away" in found.attrs["hazard_conditions"]
     # With soil factors that differ the curves do not end at the same levels.
     assert math.isnan(found.attrs["covered_low"])
 
@@ -109,7 +109,7 @@ def test_sites_without_a_curve_are_refused(results, tmp_path):
     with pytest.raises(rp.ConfigError, match="one hazard curve without coordinates, so the sites of the bodies"):
         rp.load_site_hazards(tmp_path / "one.csv", [[13.0, 42.0]])
     one = rp.load_site_hazards(path, [[13.0, 42.0]])
-    with pytest.raises(rp.ConfigError, match="hazard: expected one for each of 2 bodies, got 1"):
+    with pytest.raises(rp.ConfigError, match="hazard: expected one hazard for each of 2 bodies, got 1"):
         rp.inventory_frequency(results, models.Block(width=[0.4, 0.4], height=[3.0, 3.1]), one)
     with pytest.raises(rp.ConfigError, match="give a file with the hazard curves of several sites"):
         site_hazards_of(HazardSettings(k0=2e-3, k=2.0), np.array([[13.0, 42.0]]), None, 1, Path())

@@ -129,7 +129,7 @@ def test_both_channels_of_a_pair_have_one_factor_by_the_geometric_mean_of_their_
     assert factor[:, 0].tolist() == factor[:, 1].tolist()
     both = found["spectrum"].values.reshape(2, 2, -1)
     assert found["mean"].values == pytest.approx(np.sqrt(both[:, 0] * both[:, 1]).mean(axis=0))
-    assert "channels without a known partner, 1" in str(tree["failures"]["reason"].values)
+    assert "channels without a known partner (1)" in str(tree["failures"]["reason"].values)
     assert "2 pairs of 3" in selection_overview(tree)
 
 
