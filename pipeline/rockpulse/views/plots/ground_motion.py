@@ -65,7 +65,7 @@ def motion_of_record(
     Parameters
     ----------
     record : Record
-        Conditioned.
+        The conditioned record.
     waves, phase, sequence : HalfWaves, IntensePhase, ImpulseSequence, optional
         By default the results of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
         :func:`rockpulse.record_sequence`, without a sequence if the phase contains too few half-waves.

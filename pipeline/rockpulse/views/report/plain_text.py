@@ -68,7 +68,7 @@ def _in_words(option: re.Match[str]) -> str:
 
 
 def folders_of(tree: xr.DataTree, results: xr.DataTree | str | Path | None) -> tuple[str, ...]:
-    """Return the folders of the input files and of the results as the beginnings of paths; the common one is first."""
+    """Return the folders of the input files and of the results, as starts of paths; their common folder is first."""
     named = [Path(results).absolute()] if isinstance(results, str | Path) else []
     sources = [*tree["summary"].to_dataset()["source"].values.tolist(), *(row.file for row in failure_rows(tree))]
     named += [Path(name.partition("!")[0]) for source in sources for name in source.split(BETWEEN)]
