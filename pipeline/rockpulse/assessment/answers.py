@@ -143,7 +143,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The results of one model; `answers[name]` is a variable as array over records and, for most variables, bodies."""
+    """The results of one model; `answers[name]` is a stored variable, an array over records and, mostly, bodies."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary

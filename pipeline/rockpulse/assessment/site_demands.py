@@ -44,7 +44,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config, record: str = "") -> np.ndarray:
-    """Return scale factors (blocks, demands) that make the geometric mean of the channels' intensities the demand.
+    """Return scale factors (blocks, demands) with which the channels' geometric mean intensity equals each demand.
 
     For a demand with a table of selected records, the factor is read from its row `record` or, without such a row, from
     the row of the first channel; NaN if the table has neither.

@@ -35,7 +35,7 @@ def _run(args: argparse.Namespace) -> int:
             )
     limited = f" of {table.found}" if table.found > len(table) else ""
     tell(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
-    tell(f"{readme}: what the columns mean")
+    tell(f"{readme}: meaning of the columns")
     return 0
 
 

@@ -147,7 +147,7 @@ def _unidentified(path: str | os.PathLike[str]) -> NoReturn:
 
 
 def _differences(old: Config, new: Config, verb: str) -> list[str]:
-    """Return the options with different values that affect the stored rows, each as one line of text."""
+    """Return the options that differ and affect the stored rows, each as one line of text."""
     found = []
     for name in SECTIONS:
         if name not in (*IDLE[verb], "run"):

@@ -103,7 +103,7 @@ class Mechanism:
 
     @property
     def rupture_displacement(self) -> float:
-        """Spectral displacement [m] at which ties with more than half of the largest multiplier have broken; or inf."""
+        """Spectral displacement [m] at which ties that give over half of the largest multiplier have broken, or inf."""
         ties = sorted((one for one in self.forces if math.isfinite(one.ends)), key=lambda one: one.ends / one.height)
         begins = (one.begins / one.height * (1.0 + ROUNDING) for one in self.forces)
         most, lost = max(self.at(rotation) for rotation in (0.0, *begins)), 0.0

@@ -223,7 +223,7 @@ def fit_capacities(
     capacities = np.asarray(capacities, dtype=float)
     open_ended = np.isposinf(capacities)
     if limits is None and np.any(open_ended):
-        raise ConfigError("fragility: infinite capacities require limits, the largest value that was analysed")
+        raise ConfigError("fragility: infinite capacities require limits, the largest values that were analysed")
     levels = np.where(open_ended, capacities if limits is None else np.asarray(limits, dtype=float), capacities)
     rows = Observations.of(levels, np.where(open_ended, ABOVE, EXACT), clusters, records)
     return fit_curve(rows, model, confidence)

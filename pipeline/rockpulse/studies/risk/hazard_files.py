@@ -80,8 +80,8 @@ class _Sheet(NamedTuple):
             return int(rows[0]), (f"{1e-3 * distance[0]:.1f} km from the site",)
         if len(self.places) > 1:
             raise ConfigError(
-                f"{self.path}: curves of {len(self.places)} sites; select one by its longitude and latitude ([hazard] "
-                "longitude, latitude, or --site)"
+                f"{self.path}: the file has curves of {len(self.places)} sites; select one by its longitude and "
+                "latitude ([hazard] longitude, latitude, or --site)"
             )
         return 0, ("the only site in the file",)
 

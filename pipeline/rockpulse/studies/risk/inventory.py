@@ -47,7 +47,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Return the curves; `own` are the logarithms of the records' measures. ResultsError if no spectrum has C."""
+        """Return the curves; `own` are logarithms of the records' measures. ResultsError if C is not covered."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -82,13 +82,13 @@ class BodyCurves(NamedTuple):
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return, for each body, mean and standard deviation over the records of ln of the level that overturns it."""
+        """Return, for each body, the mean and standard deviation over records of ln(level that overturns the body)."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return, for each body, ln of the level at which the mean probability over the weighted records is 1/2."""
+        """Return, for each body, the logarithm of the level at which the weighted mean of the probabilities is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
