@@ -1,10 +1,10 @@
 """A body as the kinematic mechanism of the codes: weights and forces on a body that turns about a corner.
 
-.. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves W_i by z_i
-   sideways and lifts W_i by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of the
-   horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last
-   sum over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
-   their gap they resist with their yield force until they break. d_0 is that of the body without its ties.
+.. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. At a rotation theta (small, as in
+   codes) a further unit of rotation moves W_i sideways by z_i and lifts it by x_i - z_i theta. The multiplier of the
+   horizontal forces is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i. The sum in the denominator is
+   over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond their
+   gap they resist with their yield force until they break. The displacement d_0 is computed without ties.
 """
 
 import math

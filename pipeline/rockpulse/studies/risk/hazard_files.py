@@ -279,7 +279,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """Return the lines with one line of column names, with the return periods of a line above it ("TR = 30") added."""
+    """Return the lines; return periods in a line above the column names ("TR = 30") are added to these names."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)

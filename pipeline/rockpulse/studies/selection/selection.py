@@ -187,9 +187,9 @@ class SelectionAnalysis(Analysis):
         raise ConfigError(
             f"[selection] records: expected {asked.records} {asked.components} that can be selected, at most "
             f"{asked.per_earthquake} of each earthquake, found {enough}. Of {len(events)} {asked.components}, "
-            f"{usable.total()} (of {len(usable)} earthquake{'s' * (len(usable) != 1)}) can be scaled by "
-            f"{asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys records, "
-            f"factors or per_earthquake{unknown}"
+            f"{usable.total()} (of {len(usable)} earthquake{'s' * (len(usable) != 1)}) have a scale "
+            f"factor from {asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys "
+            f"records, factors or per_earthquake{unknown}"
         )
 
 
