@@ -97,7 +97,7 @@ def test_too_few_records_of_different_earthquakes_are_an_error():
     nameless = [replace(one, event="") for one in RECORDS]
     with pytest.raises(ConfigError, match=r"found 1\. Of 6 channels, 6 \(of 1 earthquake\) .*\[records\] events"):
         rp.select(nameless, rp.Config(check=NTC, selection=rp.SelectionSettings(**WIDE)))
-    with pytest.raises(ConfigError, match=r"found 0\. Of 6 channels, 0 .* by 1000 to 1001"):
+    with pytest.raises(ConfigError, match=r"found 0\. Of 6 channels, 0 .* from 1000 to 1001"):
         selected(factors=(1000.0, 1001.0))
     with pytest.raises(ConfigError, match=r"\[selection\] target: no target spectrum is given"):
         selected(check=rp.CheckSettings())
