@@ -38,8 +38,8 @@ first steps, for a wall 0.3 m wide and 2.4 m high:
   rockpulse report results.h5 -o report.html
 bodies and options in a file, for --config site.toml:
   rockpulse init-config -o site.toml
-options of a verb, with examples:
-  rockpulse VERB --help
+options of a command, with examples:
+  rockpulse COMMAND --help
 
 Exit codes: 0 success; 1 some records failed, or diff, verify or selftest found a
 difference; 2 wrong usage, configuration or results file; 130 interrupted."""
@@ -53,8 +53,8 @@ def build_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
         epilog=EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
-    parser.set_defaults(program=parser)  # used by the verb `completion`
-    subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
+    parser.set_defaults(program=parser)  # used by the command `completion`
+    subparsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for verb in VERBS:
         verb.add_to(subparsers, not words or verb.name in words or "completion" in words)
     return parser

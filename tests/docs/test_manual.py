@@ -117,7 +117,7 @@ def test_what_the_text_names_exists():
     benchmarks = "".join(path.read_text(encoding="utf-8") for path in (TOP / "benchmarks").rglob("*.py"))
     targets = set(re.findall(r"^([a-z-]+):", (TOP / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
     keys = options_of_the_template()
-    verbs = {verb.name for verb in VERBS} | {"VERB"}
+    verbs = {verb.name for verb in VERBS} | {"COMMAND"}
     for page in PAGES:
         prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
         for code in re.findall(r"`([^`\n]+)`", prose):
