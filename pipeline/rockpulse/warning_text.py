@@ -27,7 +27,8 @@ WARNINGS = {
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
     "vertical_by_code": "the channel code {channel} means vertical, but the header states {stated}; used as vertical",
     "may_be_vertical": "{stated}, and the channel may be vertical",
-    "length_differs": "the header states {stated:g} s, {count:d} samples at {interval:g} s last {found:g} s",
+    "length_differs": "the header states a duration of {stated:g} s, "
+    "but {count:d} samples at {interval:g} s last {found:g} s",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # the samples of a channel
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",

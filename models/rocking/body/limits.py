@@ -153,7 +153,10 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
 def restitutions_of(
     given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return C for both corners, or the rebound e for a body beside a wall; `wall` is (one_sided, rebound)."""
+    """Return C for both corners, or the rebound e for a body beside a wall.
+
+    `most` holds the largest C allowed at each corner, and `wall` is (one_sided, rebound); errors state the `shape`.
+    """
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")

@@ -130,10 +130,10 @@ class Demand:
 
 
 def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
-    """Compute the demand of a ground motion on blocks.
+    """Compute the largest impulses of a ground motion on blocks, weighted in time by the p of each block.
 
-    E is computed at the nodes p = 2^(k/4) 1/s that enclose the given p, and interpolated linearly in log p: a thousand
-    blocks cost as much as a few.
+    E, defined in :class:`Demand`, is computed at the nodes p = 2^(k/4) 1/s that enclose the given p, and interpolated
+    linearly in log p: a thousand blocks cost as much as a few.
 
     Parameters
     ----------
@@ -141,6 +141,11 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
         One block, with results of shape (1,), or an array of m blocks.
     acceleration, dt : (n,) array_like, float
         Ground acceleration a_g [m/s2], finite, and its sampling interval [s].
+
+    Returns
+    -------
+    Demand
+        The demand on the m blocks.
 
     Examples
     --------

@@ -37,7 +37,7 @@ def velocity(c, tau):
 
 @njit(_nrt=False)
 def acceleration(c, tau):
-    """Return phi''(tau)."""
+    """Return phi''(tau) of the polynomial with coefficients `c`."""
     total = ORDER * (ORDER - 1) * c[ORDER]
     for k in range(ORDER - 1, 1, -1):
         total = total * tau + k * (k - 1) * c[k]

@@ -190,7 +190,10 @@ def recorded_response(
             "is it in rad/s?"
         )
     if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
-        raise ValueError("verdict: expected the demand of this record on these blocks")
+        raise ValueError(
+            f"verdict: expected the ground demand of this record ({record.size} samples) on these {alpha.size} blocks, "
+            f"got that of {verdict.samples} samples on {verdict.levels.shape[0]} blocks"
+        )
     free = np.broadcast_to(block.free, lanes).reshape(-1)
     if verdict is not None and not np.all(free):
         raise ValueError("verdict: expected free-standing symmetric blocks")

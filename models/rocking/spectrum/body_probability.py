@@ -49,7 +49,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the scale factors of one body from its samples `lanes` (None if the body does not lift at any factor)."""
+    """Compute the scale factors at fixed P, and their mean, from the samples of one body (None if it never lifts)."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)

@@ -121,12 +121,12 @@ class Project:
         return self.written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
 
     def section(self, name: str) -> dict[str, Any]:
-        """Return the keys and values of a section; changes of this dict change the configuration."""
+        """Return a section, created if missing; changes to this dict change the configuration."""
         found: dict[str, Any] = self.document.setdefault(name, {})
         return found
 
     def several(self, name: str) -> list[dict[str, Any]]:
-        """Return the list of all [[block]] or [[demand]] sections; changes of this list change the configuration."""
+        """Return the list of all [[block]] or [[demand]] sections; changes to this list change the configuration."""
         found: list[dict[str, Any]] = self.document.setdefault(name, [])
         return found
 

@@ -79,7 +79,7 @@ class RecordPart:
         ui.timer(0.05, page.handler(self.read), once=True)
 
     def show_error(self, error: str) -> None:
-        """Show which channels lack a partner if other directions are requested; errors are shown beside their files."""
+        """Update the list of unused channels if the requested directions have changed; errors are shown elsewhere."""
         if self.records and not error and self._components() != self.components:
             self._show_failures()
 

@@ -1,4 +1,4 @@
-"""Settings of the modes of the building under a body, and their text in the results."""
+"""Settings of the modes of the building under a body, and their conversion to and from the text in the results."""
 
 import dataclasses
 import json

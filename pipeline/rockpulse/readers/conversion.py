@@ -177,7 +177,9 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
         )
     if folder and WRITERS[key].one is None:
-        raise ConfigError(f"{out}: miniSEED holds all records in one file; name it, such as {out / 'records.mseed'}")
+        raise ConfigError(
+            f"{out}: miniSEED holds all records in one file; name that file, such as {out / 'records.mseed'}"
+        )
     return WRITERS[key], folder
 
 
@@ -227,7 +229,7 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
     for path in paths:
         check_link(path)
         if os.path.realpath(path) in sources:
-            raise ConfigError(f"{path}: a record was read from this file; choose another name")
+            raise ConfigError(f"{path}: this is an input file; choose another name for the output")
         if path.exists() and not path.is_file():
             raise ConfigError(f"{path}: expected the name of a file, found a folder or a device")
         if path.exists() and not overwrite:

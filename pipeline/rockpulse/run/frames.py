@@ -29,7 +29,7 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
     """
     for name, array in arrays.items():
         if array.dtype.kind not in KINDS:
-            raise TypeError(f"{name}: expected numbers or texts, found an array of type {array.dtype}")
+            raise TypeError(f"{name}: expected numbers or strings, found an array of type {array.dtype}")
     text = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()]).encode()
     values = (np.ascontiguousarray(array).data for array in arrays.values())
     return b"".join([MAGIC, len(text).to_bytes(8, "little"), text, *values])
@@ -45,7 +45,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
     for name, kind, shape in json.loads(packed[begin:offset]):
         dtype = np.dtype(kind)
         if dtype.kind not in KINDS or not dtype.itemsize:
-            raise ValueError(f"{name}: expected numbers or texts, found type {dtype}")
+            raise ValueError(f"{name}: expected numbers or strings, found type {dtype}")
         count = math.prod(shape)
         size = count * dtype.itemsize
         if offset + size > len(packed):

@@ -241,7 +241,7 @@ def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) ->
 
 
 def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, a record of another file whose energy arrives at the same times, if there is one."""
+    """Return, by ``id(record)``, a record of another file with the same length and nearly the same growth of energy."""
     groups: dict[tuple[int, float], list[tuple[tuple[float, ...], Record]]] = defaultdict(list)
     for record in records:
         if outline := outline_of(record):

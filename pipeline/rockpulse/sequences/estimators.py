@@ -123,13 +123,13 @@ def record_sequence(
             raise ConfigError(f"record_sequence: {name}: expected one of {', '.join(table)}, got {value!r}")
     if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
         raise ConfigError(
-            f"record_sequence: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
+            f"record_sequence: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number of at least 1, "
             f"got {main_count!r}"
         )
     if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
         raise ConfigError(f"record_sequence: duration_s: expected a positive duration in s, got {duration_s!r}")
     if not _is_count(m):
-        raise ConfigError(f"record_sequence: m: expected a whole number from 1, got {m!r}")
+        raise ConfigError(f"record_sequence: m: expected a whole number of at least 1, got {m!r}")
     if not 0.0 <= quantile <= 1.0:
         raise ConfigError(f"record_sequence: quantile: expected a probability from 0 to 1, got {quantile!r}")
     inside = waves if phase is None else waves.between(phase.start, phase.end)

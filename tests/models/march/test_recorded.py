@@ -291,8 +291,11 @@ def test_a_verdict_is_that_of_this_record_on_these_free_blocks_at_rest():
     assert len(set(whole.outcome.tolist())) > 1
     wall = Block.stack([blocks.lane(0), blocks.lane(1), Block(width=0.5, height=2.0, one_sided=True)])
     for change, message in (
-        ({"acceleration": record[:-1]}, "demand of this record on these blocks"),
-        ({"block": blocks.take(np.array([0, 1]))}, "demand of this record on these blocks"),
+        (
+            {"acceleration": record[:-1]},
+            f"this record .{record.size - 1} samples. on these 3 blocks, got that of {record.size}",
+        ),
+        ({"block": blocks.take(np.array([0, 1]))}, "on these 2 blocks, got that of .* on 3 blocks"),
         ({"block": wall}, "free-standing symmetric blocks"),
         ({"vertical": 0.0 * record}, "without vertical and without history"),
         ({"history": True}, "without vertical and without history"),

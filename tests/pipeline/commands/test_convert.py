@@ -57,7 +57,7 @@ def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, capsys):
     path.parent.mkdir()
     path.write_bytes((folder / "a.AT2").read_bytes())
     assert main(["convert", str(path), "-o", str(path), "--overwrite"]) == 2
-    assert "a record was read from this file" in capsys.readouterr().err
+    assert "this is an input file" in capsys.readouterr().err
     assert path.read_bytes() == (folder / "a.AT2").read_bytes()
 
 

@@ -80,8 +80,8 @@ def test_a_unit_that_the_word_for_it_states_is_taken(put, header):
         ("Peak acceleration = 300\n", "states a peak of 0.3059 g"),
         ("NPTS = 200\n", "mentions 200 samples"),
         ("Number of samples: 800\n", "mentions 800 samples"),
-        ("Duration: 8.0 s\n", "states 8 s"),
-        ("Record length = 2 s\n", "states 2 s"),
+        ("Duration: 8.0 s\n", "a duration of 8 s"),
+        ("Record length = 2 s\n", "a duration of 2 s"),
         ("Scale factor: 2.5\n", "scale factor of 2.5"),
     ],
 )

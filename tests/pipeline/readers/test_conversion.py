@@ -72,7 +72,7 @@ def test_miniseed_holds_all_and_has_a_station_file(tmp_path):
         ("out.dat", "xls", "found 'xls'"),
         ("out.txt", "csv", r"a file of the format csv ends in \.csv, found '\.txt'"),
         ("out.csv", "at2", "the suffix belongs to the format csv, but the format is at2"),
-        ("new", "mseed", "miniSEED holds all records in one file; name it, such as"),
+        ("new", "mseed", "miniSEED holds all records in one file; name that file, such as"),
         ("missing/new/out.csv", None, "there is no folder .*missing/new; create it first"),
         ("missing/out.csv", None, "there is no folder .*missing; create it first"),
         ("missing/new", "csv", "there is no folder .*missing; create it first"),
@@ -106,7 +106,7 @@ def test_the_file_a_record_came_from_is_never_replaced(tmp_path):
     (record,) = rp.read(tmp_path / "in.AT2")
     (tmp_path / "link.AT2").symlink_to("in.AT2")
     for name in ("in.AT2", "link.AT2"):
-        with pytest.raises(ConfigError, match="a record was read from this file"):
+        with pytest.raises(ConfigError, match="this is an input file"):
             rp.write([record], tmp_path / name, overwrite=True)
 
 
@@ -217,7 +217,7 @@ def test_no_sign_in_a_path_uncovers_the_file_a_record_came_from(tmp_path, name):
     (record,) = rp.read(path)
     assert record.source == str(path)
     for source in (record.source, f"{record.source}; {tmp_path}/other.AT2", f"other.zip!x; {record.source}!inside.AT2"):
-        with pytest.raises(ConfigError, match="a record was read from this file"):
+        with pytest.raises(ConfigError, match="this is an input file"):
             rp.write([replace(record, source=source)], path, overwrite=True)
     assert path.read_bytes() == before
 

@@ -315,7 +315,7 @@ def test_packed_arrays_come_back_bit_by_bit():
 
 
 def test_only_numbers_and_texts_are_packed():
-    with pytest.raises(TypeError, match="a: expected numbers or texts"):
+    with pytest.raises(TypeError, match="a: expected numbers or strings"):
         pack({"a": np.array([object()])})
 
 

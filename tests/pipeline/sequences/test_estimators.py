@@ -165,13 +165,16 @@ def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
         ({"secondary": "max"}, "secondary: expected one of median, mean, rms, got 'max'"),
         ({"interval": "mode"}, "interval: expected one of median, mean, got 'mode'"),
         ({"spacing": "centre"}, "spacing: expected one of end, middle, start, open, continuous, got 'centre'"),
-        ({"main_count": "all"}, "main_count: expected one of half-largest, none or a whole number from 1, got 'all'"),
+        (
+            {"main_count": "all"},
+            "main_count: expected one of half-largest, none or a whole number of at least 1, got 'all'",
+        ),
         ({"main_count": 0}, "main_count: expected"),
         ({"main_count": True}, "main_count: expected"),
         ({"duration_s": 0.0}, "duration_s: expected a positive duration"),
         ({"duration_s": math.nan}, "duration_s: expected a positive duration"),
         ({"quantile": -0.1}, "quantile: expected a probability from 0 to 1"),
-        ({"m": 0}, "m: expected a whole number from 1"),
+        ({"m": 0}, "m: expected a whole number of at least 1"),
         ({"quantile": math.nan}, "quantile: expected a probability from 0 to 1"),
     ],
 )

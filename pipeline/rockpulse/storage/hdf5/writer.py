@@ -68,7 +68,7 @@ class TreeWriter:
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
-            raise TypeError(f"{path}: expected numbers or texts, found True or False, which netCDF cannot store")
+            raise TypeError(f"{path}: expected numbers or strings, found True or False, which netCDF cannot store")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # All values are written later (missing ones as NaN), so that HDF5 need not write fill values first.
         fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
@@ -163,7 +163,7 @@ class TreeWriter:
             if name in HIDDEN:
                 raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF reserves")
             if np.asarray(value).dtype.kind == "b":
-                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, found True or False")
+                raise TypeError(f"{path}: attribute {name!r}: expected numbers or strings, found True or False")
             if isinstance(value, str):
                 value = in_utf8(value)
             elif np.isscalar(value) and not isinstance(value, bytes):

@@ -348,11 +348,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the logarithm of each body's annual rate at the logarithms (m, ...) of levels in SI units."""
+        """Return ln of the annual rate of exceedance of levels (m, ...), given as ln of SI values, by body."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return each body's integral [1/year] of the rate over ln x, from `log_level` (m, ...) to infinity."""
+        """Return the integral [1/year] of the rate of exceedance over ln x from `log_level` (m, ...) on, by body."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:

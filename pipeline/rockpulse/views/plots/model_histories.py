@@ -52,8 +52,8 @@ def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tupl
 def motion_samples(cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray) -> np.ndarray:
     """Return the signed rotation theta/alpha_c [-] at increasing times after the first main impulse [s].
 
-    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. A half-cycle that overturns is the last one; only its main
-    impulse acts until alpha_c, and the rotation is NaN afterwards. At exactly the critical velocity a block never
+    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. If the body overturns, no secondary impulse acts in the
+    last half-cycle, and the rotation is NaN after alpha_c. At exactly the critical velocity a block never
     reaches alpha_c.
     """
     # Pieces of free motion: time of the start [s], x and x' there [-], and side.

@@ -28,12 +28,13 @@ _DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
 _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 #: A quotation from a file.
 _QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"")
-#: One of the parts of a text between semicolons; those in quotations do not count.
-_SENTENCE = re.compile(rf"(?:{_QUOTED.pattern}|(?!; ).)+", re.DOTALL)
+#: One of the parts of a text between semicolons; those in quotations do not count. Each group is atomic, as the time of
+#: a failing match would otherwise grow exponentially with the number of quotations.
+_SENTENCE = re.compile(r"(?>(?<!\w)'[^']*'|(?<!\w)\"[^\"]*\"|(?!; ).)+", re.DOTALL)
 #: Patterns of fields of a text: names without blanks, asides with colons, texts with several sentences; by default a
 #: field is a part without colon and semicolon.
 _FIELDS = (
-    {"id": r"\S+?"}
+    {"id": r"[^\s'\"]+?", "of": r"(?! (?:is|are)\b)[^;:]*?"}
     | dict.fromkeys(("aside", "beside"), f"{_SENTENCE.pattern[:-1]}*?")
     | dict.fromkeys(
         ("reason", "why", "cause", "more", "error", "note", "differences", "readings", "stated", "warning", "lines"),

@@ -86,7 +86,7 @@ def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, pr
         ({"LATE/NORMAL_TRIGGERED": "LT"}, "triggered late"),
         (CORRECTED | {"BASELINE_CORRECTION": "BASELINE NOT REMOVED"}, "the baseline was not removed"),
         ({"SENSOR_DEPTH_M": "30.0"}, "30 m below the ground"),
-        ({"DURATION_S": "30.0"}, "the header states 30 s, 300 samples at 0.01 s last 3 s"),
+        ({"DURATION_S": "30.0"}, "the header states a duration of 30 s, but 300 samples at 0.01 s last 3 s"),
         ({"PGA_CM/S^2": "-120.5"}, "the header states a peak of 0.1229 g"),
     ],
 )

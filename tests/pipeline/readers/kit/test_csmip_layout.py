@@ -267,5 +267,5 @@ def test_a_channel_that_may_be_vertical_must_be_confirmed(component, code, decid
 )
 def test_a_length_that_differs_greatly_must_be_confirmed(stated, decides):
     notes = held_length(stated, 1000, 0.01)
-    assert notes == [f"the header states {stated} s, 1000 samples at 0.01 s last 10 s"]
+    assert notes == [f"the header states a duration of {stated} s, but 1000 samples at 0.01 s last 10 s"]
     assert bool(deciding(Record(np.sin(np.arange(50.0)), 0.01, id="a", warnings=notes))) is decides

@@ -111,8 +111,8 @@ def test_a_group_is_read_as_xarray_reads_it_undecoded(files):
 @pytest.mark.parametrize(
     ("variable", "attrs", "error", "message"),
     [
-        ([True], {}, TypeError, "/g/a: expected numbers or texts, found True or False"),
-        ([1.0], {"open": True}, TypeError, "/g/a: attribute 'open': expected numbers or texts"),
+        ([True], {}, TypeError, "/g/a: expected numbers or strings, found True or False"),
+        ([1.0], {"open": True}, TypeError, "/g/a: attribute 'open': expected numbers or strings"),
         ([1.0], {"NAME": "x"}, ValueError, "/g/a: an attribute cannot have the name 'NAME'"),
     ],
 )

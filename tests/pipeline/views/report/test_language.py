@@ -5,6 +5,7 @@ from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from string import Formatter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -232,6 +233,14 @@ def of_damaged_files(step):
         except RockpulseError as error:
             rows.append(read_failure(Found(Path(file.name), True), file.name, error))
     return rows, list(warnings.values())
+
+
+def test_a_reason_with_many_quotations_is_translated_at_once():
+    row = Failure("a.csv", "read", "a.csv:9: expected 2 columns, found 20: " + ",".join(['""'] * 60), "failed")
+    begin = process_time()
+    with writing("it"):
+        assert not ENGLISH.search(translated_row(row).reason)
+    assert process_time() - begin < 1.0  # 25 s if each quotation could be read in two ways
 
 
 @pytest.mark.sweep
