@@ -9,7 +9,8 @@ What the runner looks for in a page, from top to bottom, in one folder and one P
 - a ``code-block`` with a caption: a file of that name;
 - ``<!-- exit: 1 -->`` before commands: the exit code of the block;
 - ``<!-- figures differ -->`` before a block of ``text``: its numbers are not compared (chaotic, or of the machine);
-- ``*Not tested: REASON*`` on the line above a block: left out, visibly. The tests hold the list of reasons.
+- ``*Not run by the tests of this manual: REASON*`` on the line above a block: left out, visibly. The tests hold
+  the list of reasons.
 """
 
 import contextlib
@@ -30,7 +31,7 @@ import pytest
 __all__ = ["Block", "blocks", "missing_line", "pictures", "run_page"]
 
 FENCE = re.compile(
-    r"(?P<before>(?:^(?:<!--[^\n]*-->|\*Not tested:[^\n]*\*)\n+)*)"
+    r"(?P<before>(?:^(?:<!--[^\n]*-->|\*Not run by the tests of this manual:[^\n]*\*)\n+)*)"
     r"^(?P<ticks>`{3,})(?P<info>[^\n`]*)\n(?P<body>.*?)^(?P=ticks)[ \t]*$",
     re.MULTILINE | re.DOTALL,
 )
@@ -87,7 +88,7 @@ def blocks(page: Path) -> list[Block]:
             if caption is None:
                 raise ValueError(f"{page}: a code-block without a caption: {body[:40]!r}")
             kind, name, body = "file", caption["name"].strip(), body[caption.end() :]
-        reason = re.search(r"\*Not tested: (.*?)\*\n", before)
+        reason = re.search(r"\*Not run by the tests of this manual: (.*?)\*\n", before)
         code = re.search(r"<!-- exit: (\d+) -->", before)
         found.append(
             Block(

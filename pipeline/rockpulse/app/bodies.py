@@ -80,7 +80,7 @@ class BodyRow:
         self._show_again()
 
     def _drop(self, part: str, values: dict[str, Any]) -> None:
-        self.values[part].remove(values)
+        self.values[part] = [one for one in self.values.get(part, []) if one is not values]
         if not self.values[part]:
             del self.values[part]
         self._show_again()
@@ -179,6 +179,7 @@ class BodyPart:
         bodies.append({"name": say("app.bodies.name", n=number)})
         if len(bodies) > FIRST and not self.others.value:
             self.others.visible = self.others.value = True
+            self.others.renew()  # one that was open before has its rows still
         else:
             with self.rows if len(bodies) <= FIRST else self.others:
                 self._add_rows(bodies[-1:])
@@ -186,7 +187,8 @@ class BodyPart:
 
     def remove(self, values: dict[str, Any]) -> None:
         """Remove a body."""
-        self.project.several("block").remove(values)
+        bodies = self.project.several("block")
+        bodies[:] = [one for one in bodies if one is not values]  # another window may have removed it
         self._show_rows()
         self.page.changed()
 

@@ -41,7 +41,7 @@ SELECTION, SPECTRA = "selection.csv", "selection.png"
 ASSESS = ("assess", "--config", CONFIG, "-o", RESULTS)
 #: First line of a configuration of the page; another one is copied before it is replaced, for its comments.
 HEAD = "# Written by rockpulse app, which keeps no comments."
-#: Characters of a file name that are kept, largest length [characters], largest number of folders and file in a path,
+#: Characters of a file name that are kept, largest length [bytes], largest number of folders and file in a path,
 #: and names that Windows reserves.
 DEEPEST = 6
 _ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
@@ -56,7 +56,8 @@ def safe_name(name: str) -> str:
     """Return a file name without folders and special characters; "file" if nothing remains."""
     last = _ODD.sub("_", re.split(r"[/\\]", name)[-1]).strip(" .")
     end = Path(last).suffix[:20]
-    last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
+    if len(last.encode()) > LONGEST:
+        last = last.encode()[: LONGEST - len(end.encode())].decode(errors="ignore") + end
     return f"_{last}" if _RESERVED.match(last) else last or "file"
 
 

@@ -27,7 +27,7 @@ from rockpulse.selection.duplicate_selection import without_duplicates
 from rockpulse.views.shared.files_used import translated_row
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.record_facts import facts_of
-from rockpulse.views.shared.words import counted_words, in_dates, listed, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, say, section
 
 #: Columns of the table, and those of numbers.
 COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "shape", "file")
@@ -166,14 +166,16 @@ class RecordPart:
         return row.bare != NO_RECORD and box not in boxes
 
     def _show_unused(self, rows: list[Failure]) -> None:
-        for row in map(translated_row, rows):
+        for original in rows:
+            row = translated_row(original)
+            whole = _whole_reason(row.bare, original.bare)
             with ui.element("div").classes(f"left {row.kind}"):
                 ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
                 ui.label(row.found.replace(f"{self.project.folder}/", ""))
                 for remedy in row.remedies:
                     self._show_remedy(row.file, remedy)
-                if row.bare != row.found:
-                    Panel(self.page, say("app.records.why"), partial(_show_reason, row))
+                if whole != row.found:
+                    Panel(self.page, say("app.records.why"), partial(_show_reason, whole))
 
     def _show_remedy(self, source: str, remedy: Remedy) -> None:
         """Show the input of a remedy for a file or its channels."""
@@ -228,8 +230,14 @@ class RecordPart:
         await self.read()
 
 
-def _show_reason(row: Failure) -> None:
-    ui.label(row.bare).classes("pre")
+def _show_reason(whole: str) -> None:
+    ui.label(whole).classes("pre")
+
+
+def _whole_reason(translated: str, english: str) -> str:
+    """Return a translated reason and, if a part of it has only general words, the English one as a quotation."""
+    general = any(words in translated for words in section("other").values() if " " in words)
+    return f"{translated}\n{say('other.message', text=english)}" if general else translated
 
 
 def _counts(channels: int, events: int) -> str:

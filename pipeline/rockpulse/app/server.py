@@ -65,7 +65,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
 
     @app.post("/upload/{kind}")
     async def upload(request: Request, kind: Kind, name: str) -> Response:
-        path = project.folder / f".{secrets.token_hex(4)}-{safe_name(name)}"
+        path = project.folder / f".{secrets.token_hex(4)}{Path(safe_name(name)).suffix}"
         try:
             with path.open("xb") as file:
                 async for part in request.stream():

@@ -43,8 +43,9 @@ class SitePart:
         demands = self.project.several("demand") or of_site
         kind = demands[0].get("measure", PGA) if demands else "ag" if "ag" in site else "none"
         options = {one: say(f"app.demand.{one}") for one in ("none", "ag", *MEASURES)}
+        options |= {} if kind in options else {kind: kind}
         with ui.element("div").classes("keys"):
-            choice = ui.select({kind: kind} | options, label=say("app.site.kind"), value=kind)
+            choice = ui.select(options, label=say("app.site.kind"), value=kind)
             choice.classes("key").props("dense outlined").mark("demand")
         self.demand = ui.element("div").classes("keys")
         self._show_demand(kind, demands)

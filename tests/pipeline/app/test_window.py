@@ -1,4 +1,4 @@
-"""Work that goes on after its window was closed ends without a word, unless it has failed."""
+"""A window without a browser: its rows, choices and reasons, its errors, and work that goes on after it was closed."""
 
 import asyncio
 from types import SimpleNamespace
@@ -6,10 +6,16 @@ from types import SimpleNamespace
 import pytest
 
 pytest.importorskip("nicegui", reason="no nicegui: pip install -e '.[app]'")
+from nicegui import ElementFilter, ui
+from nicegui.events import ClickEventArguments, handle_event
+from nicegui.testing import user_simulation
+
 from rockpulse.app.fields import plain_error
+from rockpulse.app.page import show_page
 from rockpulse.app.project import Project
-from rockpulse.app.window import Window
-from rockpulse.views.shared.words import reason_words, writing
+from rockpulse.app.window import FIRST, Panel, Window
+from rockpulse.errors import Failure
+from rockpulse.views.shared.words import reason_words, say, writing
 
 
 @pytest.fixture
@@ -112,3 +118,89 @@ def test_notes_on_frequencies_are_translated():
     assert both.startswith(f"{narrow}; ricampionamenti che non danno una curva")
     assert both.endswith(": 5 % (non contribuiscono all'intervallo)")
     assert ends.startswith("parte della frequenza dovuta a livelli maggiori di 0,4 g")
+
+
+def visit(project, work, language="en"):
+    """Open the page of a project without a browser; `work` gets functions that find elements and act on them."""
+
+    async def open_page():
+        async with user_simulation(root=lambda: show_page(project, language)) as user:
+            client = await user.open("/")
+
+            def every(kind, label=""):
+                with client:
+                    found = [*ElementFilter(kind=kind)]
+                return [one for one in found if label in (one.props.get("label"), one.props.get("aria-label"), "")]
+
+            async def act(change, *given):
+                with client:
+                    change(*given)
+                await asyncio.sleep(0.05)
+
+            await asyncio.wait_for(work(every, act), 60.0)
+
+    asyncio.run(open_page())
+
+
+def click(button):
+    (listener,) = (one for one in button._event_listeners.values() if one.type == "click")
+    handle_event(listener.handler, ClickEventArguments(sender=button, client=button.client))
+
+
+@pytest.mark.sweep
+def test_rows_of_bodies_follow_the_project(tmp_path):
+    project = Project(tmp_path)
+    tie = {"height": 2.0, "stiffness": 1e5, "yield_force": 1e3, "ultimate": 0.1}
+    project.document["block"] = [
+        {"name": f"b{n}", "width": 0.3, "height": 2.4, "tie": [dict(tie)]} for n in range(FIRST + 2)
+    ]
+    assert project.save() == ""
+
+    async def work(every, act):
+        def rows():
+            return [one for one in every(ui.element) if "body-row" in one.classes]
+
+        while len(rows()) < FIRST:
+            await act(int)
+        (others,) = every(Panel, say("app.bodies.others"))
+        for shown in (True, False):
+            await act(others.set_value, shown)
+        await act(click, every(ui.button, say("app.bodies.add"))[0])
+        assert len(project.several("block")) == FIRST + 3
+        assert len(others.default_slot.children) == 3
+
+        # Another window has removed the tie of the first body, and then the body.
+        await act(every(Panel, say("app.bodies.more"))[0].set_value, True)
+        del project.several("block")[0]["tie"]
+        remove = f"{say('app.bodies.remove_part')} {say('app.part.tie')}"
+        await act(click, every(ui.button, remove)[0])
+        assert every(ui.button, remove) == []
+        del project.several("block")[0]
+        await act(click, every(ui.button, say("app.bodies.remove"))[0])
+        assert len(rows()) == len(project.several("block")) == FIRST + 2
+
+    visit(project, work)
+
+
+@pytest.mark.sweep
+def test_a_reason_in_general_words_is_quoted_and_demands_keep_their_order(tmp_path, monkeypatch):
+    project = Project(tmp_path)
+    project.document["demand"] = [{"measure": "pgv", "value": "30 cm/s"}]
+    assert project.save() == ""
+    reasons = ("no record", "no record; it may hold what nobody has foreseen", "what nobody has foreseen")
+    failures = [Failure(f"{n}.txt", "read", f"{n}.txt: {reason}", "failed") for n, reason in enumerate(reasons)]
+    monkeypatch.setattr(Project, "read_records", lambda self: ([], failures))
+
+    async def work(every, act):
+        while not (why := every(Panel, "Motivo completo")):
+            await act(int)
+        for panel in why:
+            await act(panel.set_value, True)
+        shown = [panel.default_slot.children[0].text for panel in why]
+        assert [text.partition("\n")[2] for text in shown] == [
+            f"messaggio del programma, in inglese: «{reason}»" for reason in reasons[1:]
+        ]
+        (choice,) = every(ui.select, "definita da")
+        assert [*choice.options] == ["none", "ag", "pga", "pgv", "sa"]
+
+    visit(project, work, "it")

@@ -70,6 +70,12 @@ def test_a_pair_is_of_the_earthquake_of_a_direction_that_it_has():
     assert list(swept_answers(summary, directions).motions.events) == ["Friuli", "Irpinia"]
 
 
+@pytest.mark.parametrize(("factors", "median"), [([1.0, NAN, 4.0], 2.5), ([INF, INF, 3.0], INF)])
+def test_a_median_is_that_of_the_known_factors(factors, median):
+    (margin,) = answers(summary_of(factors)).margins()
+    assert margin.median == median
+
+
 @pytest.mark.parametrize("factors", [[], [NAN, NAN]])
 def test_without_a_known_factor_there_is_no_margin(factors):
     (margin,) = answers(summary_of(factors)).margins()

@@ -8,6 +8,7 @@ from io import StringIO
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
+from site_spectra import usual_site
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -177,3 +178,13 @@ def test_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
     design = tmp_path / "design.h5"
     assert main(["assess", "--sequence", str(golden.site), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
     assert "no design spectrum: not enough earthquakes (5; at least 7" in capsys.readouterr().err
+
+
+@pytest.mark.sweep
+def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsys):
+    target, design = tmp_path / "site.h5", tmp_path / "design.h5"
+    rp.save(usual_site(), target)
+    assert main(["assess", "--sequence", str(target), "--block", "wall=0.3x3.0", "-o", str(design)]) == 0
+    assert "wall" in capsys.readouterr().out
+    factor = rp.load(design)["summary"]["safety_factor"].sel(model="sequence").item()
+    assert factor == pytest.approx(usual_site()["site"]["design_factor"].sel(block="wall").item(), rel=0.005)
