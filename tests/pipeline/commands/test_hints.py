@@ -47,7 +47,7 @@ HINTS = [
     ("inspect results.h5 --block colum", "colum", r'did you mean "(\w+)"'),
     ("inspect results.h5 --record CCC", "CCC", r"the pattern '([^']+)' selects"),
     ("inspect results.h5 --where 'safety < 1'", "safety", r'did you mean "(\w+)"'),
-    ("inspect results.h5 --descending", "", r"needs (--sort) VARIABLE"),
+    ("inspect results.h5 --descending", "", r"expected (--sort) VARIABLE"),
     ("inspect results.h5 --outcome overturn", "overturn", r'did you mean "(\w+)"'),
     ("export results.h5 -o table.txt", ".txt", r"ends in (\.csv)"),
     ("export results.h5 -o table.csv --group sumary", "sumary", r'did you mean "(\w+)"'),
