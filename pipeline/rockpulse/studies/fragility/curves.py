@@ -218,7 +218,7 @@ def fit_capacities(
     >>> round(curve.median, 6), round(curve.beta, 6)          # exp of the mean, standard deviation of the logarithms
     (1.0, 0.565952)
     >>> fit_capacities([np.inf, np.inf], limits=[2.0, 3.0]).statement
-    'no curve: none of 2 records reached the limit state, at levels up to 2 to 3'
+    'no curve: none of 2 records reached the limit state, although their highest levels are 2 to 3'
     """
     capacities = np.asarray(capacities, dtype=float)
     open_ended = np.isposinf(capacities)
