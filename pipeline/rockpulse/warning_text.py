@@ -162,7 +162,7 @@ def code_of(text: str) -> str:
 
 
 def find(warnings: Iterable[str], code: str) -> WarningText | None:
-    """Return the first of the warnings with this code; None if there is none."""
+    """Return the first of the warnings with this code; None if no warning has it."""
     return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 

@@ -14,7 +14,7 @@ HOW = {
     "powershell": "rockpulse completion powershell >> $PROFILE",
 }
 
-#: Placeholders in the help (metavariables) that stand for file names.
+#: Placeholders in the help (metavariables) for names of files.
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )

@@ -175,7 +175,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """Return the vertical channel recorded together with a horizontal channel; None if there is none.
+    """Return the vertical channel recorded together with a horizontal channel; None without such a channel.
 
     The rules are those of :func:`find_pairs`, but the two may differ in format and length. If several vertical channels
     are found, preference is given, in this order, to the same state of processing, the same SEED band, the same file

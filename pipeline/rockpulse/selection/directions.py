@@ -203,7 +203,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Add the other channel of its pair to each single channel, or a warning if there is none; keep pairs unchanged."""
+    """Add the second channel of a recording, or a warning that it is missing, to each channel; pairs stay unchanged."""
     partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 

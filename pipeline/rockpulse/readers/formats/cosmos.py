@@ -149,7 +149,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
 
 
 def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: int) -> _Series:
-    """Return the heading of the acceleration of a channel; raise an error if there is none, or a second one."""
+    """Return the heading of the acceleration of a channel; raise an error unless exactly one is found."""
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):

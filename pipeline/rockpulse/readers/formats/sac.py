@@ -22,7 +22,7 @@ _LAST_STEPS = 2.0  # largest error of E [steps]
 
 
 def _byte_order(head: bytes) -> str | None:
-    """Return the byte order in which the version number of the header is valid; None if there is none."""
+    """Return the byte order in which the version number of the header is valid; None if it is valid in neither."""
     if len(head) < _HEADER:
         return None
     orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))

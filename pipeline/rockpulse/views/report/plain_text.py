@@ -16,7 +16,7 @@ from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.words import language, raw_text, table
 
-#: Character that stands for the first of the kept names while a text is changed; private use in Unicode.
+#: Character that replaces the first protected name while a text is changed; private use in Unicode.
 KEPT = 0xE000
 
 
