@@ -2,9 +2,9 @@
 
 What no test of behaviour can see is left out: texts of messages (formatted strings, ``raise`` statements, calls of the
 logger), annotations and what stands under TYPE_CHECKING, decorators, the star behind which options have to be named,
-the guard ``strict`` of ``zip``, small pictures of objects and the words beside them (``_picture``, ``_facts``). So are
-functions under njit, and all that stands outside of functions in their files: numba compiles it into kernels that it
-finds again in its cache.
+the guard ``strict`` of ``zip``, small pictures of objects and the words beside them (``_picture``, ``_facts``, and what
+is drawn in a ``picture``). So are functions under njit, and all that stands outside of functions in their files: numba
+compiles it into kernels that it finds again in its cache.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def _unseen(node, kernels: bool) -> bool:
             return True
         if parent.type == "argument" and parent.children[0].get_code().strip() == "strict":
             return True
-        if parent.type == "atom_expr" and parent.get_first_leaf().value == "logger":
+        if parent.type == "atom_expr" and parent.get_first_leaf().value in ("logger", "picture"):
             return True
         if parent.type == "funcdef":
             function = parent

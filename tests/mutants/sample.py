@@ -5,8 +5,11 @@ listed with their change: for each a test is written, or the code that it change
 program does the same with it. The command fails where a smaller share is noticed than is asked for.
 
 The tests of a module are those of its mirror, tests/.../test_<module>.py, the files in the folder of the mirror (for
-models anywhere in tests/models) that import from the module, and those that tests.toml adds to it or to its folder. The
-draw depends on the seed and on each mutant alone, so that it stays the same where other lines change.
+models anywhere in tests/models) that import from the module, and those that tests.toml adds to it or to its folder. A
+mutant that survives their default tests is run against all default tests of its room, the folder directly below
+tests/pipeline, or of tests/models, and then against the sweeps of its own tests. A room takes 1 to 12 s, that of run
+takes a minute and is left out. The draw depends on the seed and on each mutant alone, so that it stays the same where
+other lines change.
 """
 
 import argparse
@@ -35,8 +38,10 @@ MODULES = (
 PICTURES = ("models/rocking/pictures.py",)
 ADDED = tomllib.loads((HERE / "tests.toml").read_text())
 
-#: The default tests, then those that .ci/run adds to them.
-MARKED = ("not slow and not sweep", "sweep and not slow")
+#: The default tests, and those that .ci/run adds to them.
+DEFAULT, SWEEP = "not slow and not sweep", "sweep and not slow"
+#: A room whose tests take longer than all others together.
+LONG_ROOM = "tests/pipeline/run"
 
 #: Time that a mutant gets: this, or as many times the time of its tests without it, and what a test file may take [s].
 SHORTEST, TIMES, LONGEST = 20.0, 3.0, 600.0
@@ -54,6 +59,12 @@ def tests_of(module: str) -> list[str]:
     found = [path.relative_to(TOP).as_posix() for path in [*([mirror] if mirror.is_file() else []), *beside]]
     added = [test for place, tests in ADDED.items() if module.startswith(place) for test in tests]
     return [*found, *(test for test in dict.fromkeys(added) if test.partition("::")[0] not in found)]
+
+
+def room_of(module: str) -> list[str]:
+    """The folder of all tests of a module's room; none for the room that takes too long."""
+    room = "tests/models" if module.startswith("models") else f"tests/pipeline/{Path(module).parts[2]}"
+    return [room] if room != LONG_ROOM else []
 
 
 def dotted(module: str) -> str:
@@ -83,14 +94,16 @@ def seconds_of(test: str, marked: str) -> float:
 
 
 def fate_of(mutant: Mutant) -> str:
-    """What becomes of a mutant under the default tests of its module and, if it survives them, under the sweeps."""
+    """What becomes of a mutant under the tests of its module, of its room, and the sweeps, until one of them fails."""
     tests, fate = tests_of(mutant.module), "untested"
     with tempfile.TemporaryDirectory() as folder:
         changed = Path(folder, "mutant.py")
         changed.write_text(mutant.text())
-        for marked in MARKED if tests else ():
-            limit = max(SHORTEST, TIMES * sum(seconds_of(test, marked) for test in tests))
-            fate, _ = run(tests, marked, limit, str(TOP / mutant.module), str(changed))
+        for asked, marked in ((tests, DEFAULT), (room_of(mutant.module), DEFAULT), (tests, SWEEP)):
+            if not asked:
+                continue
+            limit = max(SHORTEST, TIMES * sum(seconds_of(test, marked) for test in asked))
+            fate, _ = run(asked, marked, limit, str(TOP / mutant.module), str(changed))
             if fate != "survived":
                 break
     return fate

@@ -90,7 +90,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
         response = marched.take(worse)
         found["demand_rotation_ratio"][kept, place] = np.asarray(response.peak_rotation_ratio)[kept]
         found["demand_outcome"][kept, place] = np.asarray(response.outcome)[kept]
-        if bodies.tie_count and response.corner_rotation is not None:
+        if response.corner_rotation is not None:
             restraints = sides.block.take(worse).acting()
             for lane in np.flatnonzero(kept & np.array([bool(one and one.ties) for one in restraints])):
                 for name, values in _of_ties(restraints[lane], response.corner_rotation[:, lane]).items():

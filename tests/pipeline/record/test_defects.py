@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shaking import DT, MADE, at, coarse, held, repeated, shaking, spike, step
+from shaking import DT, MADE, at, coarse, held, repeated, shaking, spike, step, twice
 
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import BASELINES, condition
-from rockpulse.record.defects import deciding, defects, drifts, with_defects
+from rockpulse.record.defects import deciding, defects, drifts, slow_velocity, with_defects
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText, code_of, find
 
@@ -103,6 +103,34 @@ def test_a_few_equal_spikes_do_not_hide_each_other():
     motion = shaking()
     motion[[1500, 1530, 1560, 2000]] = 20.0
     assert find(defects(record(motion)), "spike").values["count"] == 4
+
+
+def test_a_spike_in_a_motion_of_eight_hertz_is_found_where_it_is():
+    motion = 3.0 * BURST * np.sin(2.0 * np.pi * 8.0 * (TIME - 15.0))
+    motion[1500] += 0.35 * 3.0
+    assert find(defects(record(motion)), "spike").values["time"] == 15.0
+
+
+def test_a_repeated_block_is_located():
+    motion = shaking()
+    begin = at(motion, 0.4)
+    values = find(defects(record(*twice(motion, DT, 64))), "repeated_block").values
+    assert [values[name] for name in ("start", "length", "again")] == pytest.approx(
+        [DT * begin, DT * 64, DT * (begin + 64)]
+    )
+
+
+def test_the_moving_mean_of_the_velocity_is_the_same_in_reversed_time():
+    velocity = np.concatenate([np.zeros(300), np.linspace(0.0, 1.0, 701), np.zeros(1000)])
+    forwards, backwards = (slow_velocity(np.gradient(one, DT), DT) for one in (velocity, velocity[::-1]))
+    assert forwards == pytest.approx(backwards, rel=1e-9)
+
+
+def test_a_weak_motion_is_noise_only_if_no_second_stands_out():
+    """The strongest second is 1.6 times as strong as the median second, then 2.6 times."""
+    slow = np.convolve(np.random.default_rng(7).normal(size=TIME.size), np.hanning(20), "same")
+    weak = ((1.0 + more * BURST) * slow for more in (0.5, 1.5))
+    assert ["noise_only" in codes(0.015 * one / np.max(np.abs(one))) for one in weak] == [True, False]
 
 
 def test_samples_of_zero_amid_strong_motion_are_told():
