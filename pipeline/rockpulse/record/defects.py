@@ -270,9 +270,9 @@ def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Warning
     blocks = beyond[: beyond.size // SPIKE_AROUND * SPIKE_AROUND].reshape(-1, SPIKE_AROUND)
     tops = np.argmax(blocks, axis=1) + SPIKE_AROUND * np.arange(len(blocks))
     for place in tops[beyond[tops] > SPIKE_NEAR_SHARE * peak].tolist():
-        near = beyond[max(place - SPIKE_AROUND, 0) : place + SPIKE_AROUND + 1].copy()
-        own = place - max(place - SPIKE_AROUND, 0)
-        near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
+        first = max(place - SPIKE_AROUND, 0)
+        near = beyond[first : place + SPIKE_AROUND + 1].copy()
+        near[max(place - SPIKE_HALF - 1 - first, 0) : place - first + SPIKE_HALF + 2] = 0.0
         if all(abs(place - one) > SPIKE_HALF for one in spikes) and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
     before, after = samples[:-2], samples[2:]

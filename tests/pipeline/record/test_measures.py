@@ -10,6 +10,7 @@ from rocking.body.block import Block
 from rocking.march.demand import ground_demand
 from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
+from rockpulse.readers import UNITS
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, ROWS, SCALING, STORED
 from rockpulse.studies.fragility.motion_capacity import record_measures
@@ -92,6 +93,7 @@ def test_hazards_are_given_in_units_of_the_kind_of_the_measure():
     kinds = {name: MEASURES[name].known_units.keys() & {"g", "cm/s"} for name in ("pga", "sa_0.5", "pgv", "si")}
     assert kinds == {"pga": {"g"}, "sa_0.5": {"g"}, "pgv": {"cm/s"}, "si": {"cm/s"}}
     assert all(MEASURES[name].openquake in {"", *MEASURES[name].known_units} for name in HAZARD)
+    assert all(factor == pytest.approx(UNITS[unit]) for unit, factor in MEASURES["pga"].known_units.items())
 
 
 def test_a_member_of_a_family_is_named_by_its_period():

@@ -178,7 +178,7 @@ def name_direction(file: SourceFile) -> Direction:
     if suffix.lower() in _TEXT_SUFFIXES or len(suffix) > _LONGEST_SUFFIX:
         suffix = ""
     numbered = _SUFFIX.fullmatch(suffix)
-    facing = direction(suffix.rstrip("0123456789") if suffix.isalnum() and not suffix.isdecimal() else "")
+    facing = direction(suffix.rstrip("0123456789") if suffix.isalnum() else "")
     if facing.orientation != "unknown":
         return facing
     if numbered:

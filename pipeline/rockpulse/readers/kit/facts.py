@@ -226,8 +226,7 @@ def without_stamps(lines: Sequence[str]) -> tuple[Sequence[str], datetime | None
     found = list(lines)
     for index in range(first, len(lines)):
         match = _STAMP.match(lines[index])
-        moment = _nanoseconds(match) if match else None
-        if match and moment is not None:
+        if match and (moment := _nanoseconds(match)) is not None:
             seconds, rest = divmod(abs(moment - origin), _NANO)
             sign = "-" if moment < origin else ""
             found[index] = f"{sign}{seconds}.{rest:0{_DIGITS}d}{lines[index][match.end() :]}"

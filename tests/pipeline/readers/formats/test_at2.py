@@ -94,6 +94,7 @@ def test_the_fields_of_the_title(write):
         ("Event, 1/2/2003, 90", "Event, 1/2/2003", "", "090"),
         ("Event, 1/2/2003, One, 3/4/2003, 90", "Event, 1/2/2003", "One, 3/4/2003", "090"),
         ("1/2/2003, Station, 90", "1/2/2003", "Station", "090"),
+        ("Event, 1/2/2003, Station,", "Event, 1/2/2003", "Station", "1"),
     ],
 )
 def test_titles_with_and_without_a_date(write, title, event, station, channel):
@@ -372,6 +373,13 @@ def test_numbers_that_touch_are_told_apart_at_their_signs(write):
     text = "\n".join([*head, *rows])
     (record,) = read(write(text.encode()))
     assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-9)
+
+
+def test_numbers_that_touch_without_a_sign_are_told_apart_by_a_width_that_all_of_them_fit(write):
+    """Five fields of 12 characters are as long as six of 10."""
+    values = np.abs(pulse(5)) + 0.01
+    (record,) = read(write(at2(values, field="{:12.6E}", per_row=5)))
+    assert record.acceleration / record.unit_factor == pytest.approx(values, rel=1e-6)
 
 
 def test_a_block_of_shake(write):
