@@ -137,7 +137,7 @@ def assess_scene(
         config=config,
         responses={
             name: joined_responses([part.responses[name] for part in parts], lanes, record.npts, steps)
-            for name in parts[0].responses
+            for name in config.models.use
         },
         scales={
             name: ScaleIntervals.join([part.scales[name] for part in parts], lanes, bodies.lanes.shape[0])

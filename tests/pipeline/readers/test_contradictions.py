@@ -148,6 +148,12 @@ def test_of_two_columns_of_times_that_in_seconds_is_taken(put):
     assert "columns of times left out: time" in record.warnings[0]
 
 
+def test_of_two_columns_of_times_in_no_named_unit_the_first_is_taken(put):
+    rows = "".join(f"{0.01 * at:.2f},{1000 + 0.02 * at:.2f},{value:.5f}\n" for at, value in enumerate(VALUES))
+    (record,) = read(put("time,t,z (cm/s2)\n" + rows))
+    assert (record.dt, record.warnings) == (0.01, ("further columns of times left out: t",))
+
+
 FLAT = "file,NPTS,DT,PGA\nm.AT2,2000,0.01,0.43\nn.AT2,4000,0.005,0.21\n"
 NUMBERS = "RSN,Magnitude,Rrup,Vs30\n" + "".join(f"{at},6.{at % 10},{at}.5,3{at:02d}\n" for at in range(60))
 OWN = "record,block,model,npts,dt,pga,factor_10\nm.acc_N,wall,sequence,2000,0.01,4.2,0.5\n"

@@ -31,7 +31,7 @@ def test_the_three_components(write):
         ({"unit": "V"}, UnitError, "unknown unit"),
         ({"rate": "0Hz"}, RecordFormatError, "SAMPLING RATE"),
         ({"names": "X,Y,Z"}, RecordFormatError, "NS,EW,UD"),
-        ({"names": "NS,EW"}, RecordFormatError, "a row of 2"),
+        ({"names": "NS,EW"}, RecordFormatError, ":8: expected a row of 2"),
     ],
 )
 def test_damage_is_named(write, change, error, words):

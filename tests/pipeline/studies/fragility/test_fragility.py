@@ -93,6 +93,13 @@ def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
     np.testing.assert_allclose(found["probability_high"], fit.probability(found["level"].values)[2])
 
 
+def test_the_levels_of_a_body_reach_three_betas_beyond_its_medians(tree):
+    found = tree["fragility"].to_dataset().sel(block="wall")
+    low, high = (found["median"] * np.exp(side * found["beta"]) for side in (-3.0, 3.0))
+    assert found["level"].isel(point=0).values == pytest.approx(low.min("limit_state").values)
+    assert found["level"].isel(point=-1).values == pytest.approx(high.max("limit_state").values)
+
+
 def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
     pair = [
         replace(pulse(number, "Kobe"), id=f"S.{name}", network="N", station="S", channel=name, azimuth=azimuth)
