@@ -77,6 +77,15 @@ def test_without_stiffness_a_tie_does_nothing():
     assert held.peak_rotation_ratio == pytest.approx(free.peak_rotation_ratio, rel=1e-9)
 
 
+def test_many_ties_in_one_place_are_one_with_the_sum_of_their_stiffness_and_strength():
+    motion, peaks = synthetic(seed=2, n=800), []
+    for count in (1, 24):
+        block = Block(**SIZES, ties=[Tie(8.0, 6e6 / count, yield_force=4e4 / count)] * count)
+        peaks.append(recorded_response(block, motion, 0.01, scale=(1.0, 1.5, 2.0)).peak_rotation_ratio)
+    assert 0.2 < peaks[0][0] < peaks[0][1] < peaks[0][2] == np.inf
+    assert peaks[1] == pytest.approx(peaks[0], rel=1e-6)
+
+
 def test_with_the_stiffness_the_peak_falls_as_its_root():
     start = 0.2
     peaks = []
