@@ -62,8 +62,8 @@ WARNINGS = {
     "[conditioning] baseline, or with a high-pass filter (highpass_hz)",
     "start_assumed": "both channels are assumed to start together; their files state no times",
     "no_sequence": "no impulse sequence: {reason}",
-    "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
-    "earthquake of that strength",
+    "scaled_far": "scaled by {factor:.3g}, outside {low:g} to {high:g}: the record no longer represents an "
+    "earthquake of the strength to which it is scaled",
     "scaled_alone": "scaled to the demand by its own intensity, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that is doubtful, because the baseline of the record drifts",
     # the vertical channel of a record
@@ -74,7 +74,7 @@ WARNINGS = {
     "cover",
     # a design sequence
     "demand_not_compared": "a sequence has no PGA or other intensity that could be scaled to the demand of the site "
-    "([[demand]]): nothing is compared with it",
+    "([[demand]]): the demand is not used",
     # a body
     "tie_unlimited": "tie {number:d} at {height:.3g} m never breaks, because no ultimate elongation is given; give "
     "ultimate, the elongation at which the tie or its anchor fails",
@@ -94,7 +94,7 @@ STATEMENTS = {
     "interval": "{low:.3g} to {high:.3g}",
     # the calibration of a site
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
-    "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
+    "{least:.2g} to {most:.2g}): their duration and impulse interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
     "outside_spectrum": "no design for bodies outside the range of the spectrum: {names}",
     "vertical_left_out": "the vertical acceleration is left out: with it, no single spectrum would apply to all bodies",

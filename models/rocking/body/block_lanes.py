@@ -133,7 +133,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """Copy in which the right-hand corner is the one with the smaller angle, or the only corner beside a wall."""
+        """Return a copy whose right-hand corner is the one with the smaller angle, or the only one beside a wall."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self

@@ -3,7 +3,7 @@
 .. note:: Rotations are in units of alpha_c and times in units of 1/p: x = s theta/alpha_c (s the side of the rotation)
    obeys x'' = x - 1 while x > 0, and x' = s theta'/(p alpha_c) is positive away from the ground. The motion x = 1 + (y
    e^tau + z e^-tau)/2 has a growing mode y = x - 1 + x' and a decaying mode z = x - 1 - x'; it returns iff y < 0. All
-   formulas stay accurate for tiny hops (x' = 1e-9) and close to overturning.
+   formulas stay accurate for small half-cycles (x' = 1e-9) and close to overturning.
 
 A half-cycle with n (even) secondary impulses -a, +a, -a, ... of the velocity, a = u_1 I_s/I, starts on the ground with
 the velocity u (section 3.2). With t = T/2, s = a/2 and v = u - s its duration T solves F(t) = target:
@@ -29,7 +29,7 @@ from rocking.kernel_cache import njit
 CRITICAL_TOLERANCE = 1e-13
 #: Limit of the argument of exp against overflow.
 _LARGEST_EXPONENT = 700.0
-#: Largest number of hops that `free_decay_time` adds one by one.
+#: Largest number of half-cycles that `free_decay_time` adds one by one.
 _HOP_LIMIT = 100_000
 
 
@@ -100,7 +100,7 @@ def hop(velocity):
 def free_decay_time(velocity, restitution):
     """Return the duration of a free decay (times p), the sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
-    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used; more than 100 000 hops above it give inf.
+    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used; more than 100 000 terms above it give inf.
     """
     if velocity >= 1.0 or restitution >= 1.0:
         return np.inf

@@ -79,9 +79,9 @@ def impulsive_response(
     -----
     Overturning is certain from the first impulse or impact after which y(t) > sum over the later impulses of
     abs(dy_i) exp(-p (t_i - t)), or y >= 0 after the last one, with y = s theta/alpha_c - 1 + s theta'/(p alpha_c) the
-    growing mode. A block whose hops all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest there. Within
-    1e-9/p of an impact, an impulse that drives the block into the ground acts after the impact ("right after the
-    impact", section 2), one that opposes the motion before it.
+    growing mode. A block whose half-cycles all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest there.
+    Within 1e-9/p of an impact, an impulse that drives the block into the ground acts after the impact ("right after
+    the impact", section 2), one that opposes the motion before it.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def impulsive_response(
     own = numbers("block_scale", block_scale, "a finite factor")
     if own.shape not in ((), block.shape):
         raise ValueError(
-            f"block_scale: expected a factor, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+            f"block_scale: expected a factor, or one for each block, shape {block.shape}, got {block_scale!r:.80}"
         )
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")

@@ -97,7 +97,7 @@ def sequence_response(
     if through:
         logger.warning(
             "sequence: for %d of %d pairs of block and sequence the corrected march with spacing %r passes "
-            "through the ground inside a half-cycle; only its end is exact",
+            "through the ground within a half-cycle; only the state at its end is exact",
             through,
             contact.size,
             sequence.spacing,
@@ -242,7 +242,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
     assert response.half_cycles is not None
     durations, count = response.half_cycles.duration, main_impulses_given(response, sequence)
     if (count - durations.size) * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
-        raise ValueError(f"the train has more than {_TRAIN_LIMIT} impulses; give a shorter duration or a main_count")
+        raise ValueError(f"the sequence has more than {_TRAIN_LIMIT} impulses; give a shorter duration or a main_count")
     rows = np.minimum(np.arange(int(count)), durations.size - 1)
     return np.concatenate([[0.0], np.cumsum(durations[rows])]), rows
 

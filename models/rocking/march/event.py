@@ -1,4 +1,4 @@
-"""Events in a time step of the response to a record: impact, new peak, overturning, end of small hops, uplift."""
+"""Events in a time step of the response to a record: impact, new peak, overturning, rest, uplift."""
 
 import math
 
@@ -12,10 +12,10 @@ from rocking.response import IMPACT_CUTOFF
 LINEAR, NONLINEAR = 0, 1
 # States of a body after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
-#: Hops (motions between slow impacts) are replaced by rest only if they are below this share of the largest phi.
+#: Half-cycles between slow impacts are replaced by rest only if they are below this share of the largest phi.
 CHATTER_SHARE = 1e-3
-#: After this number of impacts in one sample (restitution close to one), hops need only be below the largest phi, and
-#: hops in later samples, too, are replaced by rest, even in a history.
+#: After this number of impacts in one sample (restitution close to one), half-cycles need only be below the largest
+#: phi, and half-cycles in later samples, too, are replaced by rest, even in a history.
 MANY_IMPACTS = 1000
 #: Largest number of consecutive impacts slower than the cut-off; a lane with more, such as with C = 1, is UNRESOLVED.
 SLOW_IMPACTS = 1_000_000
@@ -39,13 +39,13 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
-    """Return whether the hops after an impact end before the ground can lift the block again.
+    """Return whether all half-cycles after an impact end before the ground can lift the block again.
 
     Speeds (w = `speed` after the impact) and rotations are divided by the restoring acceleration of the resting block.
     abs(a_g)/threshold is `demand` at the impact; A = `largest` and m = `slope` are upper bounds of it and of its slope
     within the `window` of tau, which is shortened if A exceeds (1 + demand)/2. In the window the restoring acceleration
-    stays above d = (1 - A) - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one less than q = C (1 + m
-    T/(2 (1 - A))) times the one before, all together less than T/(1 - q), and no impact is faster than w q/C.
+    stays above d = (1 - A) - w^2/(1 - A): the first half-cycle lasts less than T = 2 w/d, each next one less than q =
+    C (1 + m T/(2 (1 - A))) times the one before, all together less than T/(1 - q); no impact is faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -65,7 +65,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 @njit(_nrt=False)
 def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
-    """Return whether the hops of body j end before the next sample or, if `far`, within the next group of samples.
+    """Return whether body j comes to rest before the next sample or, if `far`, within the next group of samples.
 
     `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
     """
@@ -87,7 +87,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Return whether body j comes to rest after a slow impact: its hops end before the ground can lift it again."""
+    """Return whether body j comes to rest after a slow impact, before the ground can lift it again."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length

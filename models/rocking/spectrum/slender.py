@@ -283,7 +283,7 @@ def _impact(s, i, k, points, wall, peaks):
     s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
     s[SIDE + i] *= turn
     margin = 1.0 - max(_pushes(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
-    # It rests if its hops, the first of at most 2 u'/margin and each C times the one before, end within the piece.
+    # It rests if its half-cycles end in this piece: the first lasts at most 2 u'/margin, each C times the one before.
     if v <= SLOWEST or 2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left:
         s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate
         s[SIDE + i] = 0.0

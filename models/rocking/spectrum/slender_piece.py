@@ -4,7 +4,7 @@
 
    u(t) = u + u' t + bend (cosh t - 1) + twist (sinh t - t),
 
-   which has no cancellation for small hops, so that an impact is accurate relative to its hop.
+   which has no cancellation for small motions: the error of an impact is relative to the motion since the last impact.
 """
 
 import math

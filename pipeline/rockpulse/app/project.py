@@ -151,7 +151,7 @@ class Project:
         return config_of(parse_toml(self.written, CONFIG), self.folder)
 
     def take(self, kind: Kind, name: str, path: Path) -> str:
-        """Take a file that was sent, whose errors state its own name; return a sentence on unused columns of bodies."""
+        """Add an uploaded file, which errors call `name`; return a sentence on unused columns of a table of bodies."""
         takes: dict[str, Callable[[str, Path], str | None]]
         takes = {"records": self.add_record, "bodies": self.add_table, "hazard": self.set_hazard}
         try:
@@ -166,7 +166,7 @@ class Project:
         return sorted(path for path in (self.folder / RECORDS).rglob("*") if path.is_file())
 
     def add_record(self, name: str, path: Path, put: Callable[[Path, Path], object] = shutil.move) -> None:
-        """Put a file into the folder of records, which is added to the configuration, unless its content is there."""
+        """Move a file into the folder of records, a path of the configuration, unless its content is there already."""
         paths = self.section("records").setdefault("paths", [])
         if RECORDS not in paths:
             paths.append(RECORDS)
@@ -177,7 +177,7 @@ class Project:
         try:
             first.parent.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError) as error:
-            raise ConfigError(f"{error.filename}: a file has the name of this folder") from None
+            raise ConfigError(f"{error.filename}: expected a folder, found a file of this name") from None
         number = 1
         while place.exists():
             number += 1
@@ -278,9 +278,9 @@ class Project:
     # Site
 
     def set_hazard(self, _: str, path: Path) -> None:
-        """Keep a file of hazard curves, which replaces a power law or another file; raise ConfigError for a wrong one.
+        """Use a file of hazard curves in place of a power law or another file.
 
-        A wrong one changes nothing.
+        Raise ConfigError for an invalid file; the configuration is then unchanged.
         """
         from rockpulse.studies.risk.hazard_files import hazard_of
 

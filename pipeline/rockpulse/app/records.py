@@ -294,7 +294,7 @@ def _unlike(last: str, file: str) -> int:
 
 
 def _eastward(one: Record, other: Record) -> bool:
-    """Return whether the first of two perpendicular channels is rather the one towards east, by the stated azimuths."""
+    """Return whether the first of two perpendicular channels is the one nearer to east, by the stated azimuths."""
     angles = [math.radians(azimuth) for azimuth in (one.azimuth, other.azimuth + 90.0) if math.isfinite(azimuth)]
     return bool(angles) and abs(math.sin(angles[0])) > abs(math.cos(angles[0]))
 

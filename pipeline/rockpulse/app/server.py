@@ -81,7 +81,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
     async def attend() -> None:
         while not Server.instance.started:
             await asyncio.sleep(0.02)
-        tell(f"{address}\nfolder: {project.folder}; Ctrl-C ends the page")
+        tell(f"{address}\nfolder: {project.folder}; Ctrl-C stops the server")
         if show:
             webbrowser.open(address)
         seen = time.monotonic()
@@ -90,7 +90,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
             open_windows = any(one.has_socket_connection for one in [*Client.instances.values()])
             if project.command.running or open_windows or not ahead.done():
                 seen = time.monotonic()
-        tell("the page was closed")
+        tell("the page was closed, and the server has stopped")
         app.shutdown()
 
     ahead = ThreadPoolExecutor(1).submit(project.read_records)  # a window shows a fault
@@ -112,6 +112,6 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
 
 
 def _is_fault(record: logging.LogRecord) -> bool:
-    """Return whether a message of the server is on a fault, and not on a request that the browser has cut off."""
+    """Return whether a message of the server reports a fault, and not a request that the browser has aborted."""
     fault = record.exc_info[1] if record.exc_info else None
     return not isinstance(fault, ClientDisconnect) and str(fault) != "No response returned."

@@ -11,7 +11,7 @@ PAGE = 10
 class Table(ui.table):
     """A table in pages.
 
-    NiceGUI keeps the order and the page of a table on the server, and draws the whole window anew for each change of
+    NiceGUI keeps the order and the page of a table on the server, and draws the whole window again for each change of
     them. Here they are kept by the browser alone.
     """
 

@@ -20,7 +20,7 @@ SOME = ("assess", "fragility", "select")
 
 
 class Closed(Exception):
-    """Nothing more is to be shown: the window was closed or loaded again, or a command was cancelled."""
+    """Error: nothing more can be shown, as the window was closed or reloaded, or a command was cancelled."""
 
 
 class Window:
@@ -119,7 +119,7 @@ class Window:
         return ui.button(label, on_click=self.handler(work)).props("outline no-caps")
 
     def bin(self, label: str, work: Callable[..., Any]) -> None:
-        """Show a button with the picture of a bin, which removes something."""
+        """Show a button with the icon of a bin that removes an item."""
         ui.button(icon="delete", on_click=self.handler(work)).props(f'flat dense color=secondary aria-label="{label}"')
 
 

@@ -234,8 +234,7 @@ def assess_sequence(
     done = replace(assess_scene(scene, gathered, config), shaken=False)
     warnings = list(done.record.warnings)
     if dropped:
-        verb = "is" if len(dropped) == 1 else "are"
-        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot be applied to it and {verb} left out")
+        warnings.append(f"models left out, because they need a record and the input is {what}: {', '.join(dropped)}")
     if asked_for.demands:
         warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))

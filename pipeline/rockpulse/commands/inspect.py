@@ -106,8 +106,8 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     if asked or (args.failures and not listed):
         options = ", ".join(f"--{option}" for option in asked or ["failures"])
         raise ResultsError(
-            f"{args.results}: {options}: only for results of 'rockpulse assess'; {said}, which is shown in full "
-            "without options"
+            f"{args.results}: {options}: expected results of 'rockpulse assess'; {said}, which is shown in full: "
+            "leave the options out"
         )
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING

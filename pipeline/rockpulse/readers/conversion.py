@@ -272,14 +272,14 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         found = f"the file could not be read back ({fault}); no file was kept: write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: only {len(back)} of {len(records)} records could be read back; no file was kept")
+        raise RecordRefused(f"{path}: only {len(back)} of {len(records)} records can be read back; use another format")
     for again in back:
         # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
         record = records[code if writer.one is None else ""]
         tolerance = writer.digits * np.abs(record.acceleration) + (_UNDERFLOW if writer.digits else 0.0)
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
-            raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; no file was kept")
+            raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; use another format")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
             reason = f"the sampling interval of {record.id}, {record.dt!r} s, would be read back as {again.dt!r} s"
             raise RecordRefused(f"{path}: {reason}; use another format, or resample the record")

@@ -285,7 +285,7 @@ def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
         other = int(np.argmax(alike))
         # Of two sines, each is the slope of the other.
         if alike[other] > _ALIKE and abs(slopes[other] @ values[place]) <= _ALIKE:
-            cause = f"not an acceleration: its derivative is {PurePath(group[other].source).name}"
+            cause = f"not an acceleration: its derivative is the series of {PurePath(group[other].source).name}"
             held = "so it holds a velocity or a displacement; write acc, vel or disp in the file names"
             reason = f"{record.source}: {cause}, {held}"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")

@@ -250,7 +250,7 @@ def _taper(record: Record, length: float) -> Record:
     tapered = record.acceleration * window
     before, after = np.sum(record.acceleration**2), np.sum(tapered**2)
     lost = 0.0 if before == 0.0 else 100.0 * (1.0 - after / before)
-    return _noted(record, tapered, f"taper: cosine, {length:.4g} s at each end, took {lost:.2g} % of the energy")
+    return _noted(record, tapered, f"taper: cosine, {length:.4g} s at each end, removes {lost:.2g} % of the energy")
 
 
 def _filter(record: Record, highpass: float | None, lowpass: float | None, order: int, unfiltered: Record) -> Record:

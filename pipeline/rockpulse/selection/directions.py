@@ -197,8 +197,9 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
-    mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
-    warning = f"no pair: assessed as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    mirrored = " (its mirror image, with the same result for a body that rocks to both sides)" if against else ""
+    motion = f"assessed as recorded, at {record.azimuth:g} degrees, in place of {azimuth:g} degrees"
+    warning = f"no second channel: {motion}{mirrored}"
     return PlannedMotion(record.id, (record,), warnings=(warning,))
 
 
@@ -285,7 +286,7 @@ def unconfirmed_channels(
             Failure(
                 one.source,
                 stage,
-                f"{of_pair}{one.id}: left out with {cause.id}, {peak} has not been confirmed",
+                f"{of_pair}{one.id}: left out together with {cause.id}, {peak} has not been confirmed",
                 "failed",
             )
             for one in channels

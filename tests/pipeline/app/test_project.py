@@ -118,7 +118,7 @@ def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path, sent):
     project = Project(tmp_path)
     for content in (b"1", b"1", b"2"):
         project.add_record("a/columns.txt", sent(content))
-    with pytest.raises(ConfigError, match="a file has the name of this folder"):
+    with pytest.raises(ConfigError, match="expected a folder, found a file of this name"):
         project.add_record("a/columns.txt/b.txt", sent(b"3"))
     first, second = (project.name_of(str(path)) for path in project.record_files())
     assert (first, second) == ("records/a/columns-2.txt", "records/a/columns.txt")

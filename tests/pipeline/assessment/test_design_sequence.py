@@ -70,7 +70,7 @@ def test_what_describes_a_record_is_absent(tree):
 def test_models_that_need_a_record_are_left_out_in_words(tree):
     assert tree["summary"]["model"].values.tolist() == ["resonance", "sequence"]
     warnings = str(tree["summary"]["warnings"].values[0])
-    assert "cannot be applied to it and are left out" in warnings
+    assert "because they need a record and the input is" in warnings
     assert all(model in warnings for model in ("impulsive", "linear", "nonlinear"))
     quiet = rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["sequence"])), BLOCKS)
     assert quiet["summary"]["warnings"].values.tolist() == [""]
@@ -78,7 +78,7 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
     config = Config(models=ModelSettings(use=["sequence", "linear"]), site=rp.SiteSettings(name="Borgo"))
     one = rp.assess_sequence(SEQUENCE, config, BLOCKS)
     assert one["summary"]["warnings"].values.tolist() == [
-        "a sequence, not a record: linear cannot be applied to it and is left out"
+        "models left out, because they need a record and the input is a sequence: linear"
     ]
     assert one.attrs["title"] == "Borgo"
 
@@ -130,7 +130,7 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     assert (summary["outcome"].sel(model="sequence") == np.where(site["design_factor"] <= 1.0, 2, 1)).all()
     np.testing.assert_array_equal(summary["peak_rotation_ratio"].sel(model="sequence"), site["rotation_ratio"])
     assert np.isnan(summary["main_impulse"].item())
-    words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot be applied"
+    words = "the input is a design spectrum: resonance, impulsive, linear, nonlinear"
     assert words in summary["warnings"].item()
 
 

@@ -327,7 +327,7 @@ def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
     assert "Slides first: the friction is smaller" in told
     asked = float(models.impact_friction(statue.block()))
     assert Known(tree["summary"].to_dataset(), block="statue").impact_friction(statue.block().restitution) == asked
-    assert f"friction of an impact   {asked:.3g} required during an impact" in block_details(
+    assert f"friction required by an impact  {asked:.3g}, for information" in block_details(
         tree["summary"].to_dataset(), "statue"
     )
     with pytest.raises(rp.ConfigError, match=r'"statue" pedestal 1: pedestal width: expected at least'):

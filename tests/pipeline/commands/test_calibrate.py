@@ -108,7 +108,7 @@ def test_inspect_shows_what_calibrate_printed(done, capsys):
 def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     target, out = assessed
     assert "design sequence 0.5" in out
-    assert "nonlinear cannot be applied to it and is left out" in re.sub(r"\s+", " ", out)
+    assert "because they need a record and the input is a design spectrum: nonlinear" in re.sub(r"\s+", " ", out)
     summary = rp.load(target)["summary"].to_dataset()
     blocks = [block.block() for block in rp.load_config(config).bodies]
     lanes = rp.models.Block.stack([one.lanes(1) for one in blocks])

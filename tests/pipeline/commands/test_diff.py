@@ -51,7 +51,7 @@ def test_one_screen_or_all_of_it(files, tmp_path, capsys):
     assert main(["diff", files[0], str(tmp_path / "c.h5")]) == 1
     brief = capsys.readouterr().out
     assert len(brief.splitlines()) <= 50
-    assert "All of it: rockpulse diff BEFORE AFTER --full" in brief
+    assert "All differences: rockpulse diff BEFORE AFTER --full" in brief
     assert main(["diff", files[0], str(tmp_path / "c.h5"), "--full"]) == 1
     whole = capsys.readouterr().out
     shown, more = brief.count("  /summary/"), int(re.search(r"and (\d+) more variables", brief)[1])

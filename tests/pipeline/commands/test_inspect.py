@@ -116,7 +116,7 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
 @pytest.mark.parametrize("kind", ["site", "fragility"])
 def test_files_that_are_shown_whole_take_no_filters(golden, kind, capsys):
     assert main(["inspect", str(getattr(golden, kind)), "--records", "--worst", "3"]) == 2
-    said = f"--records, --worst: only for results of 'rockpulse assess'; this is a {kind} file"
+    said = f"--records, --worst: expected results of 'rockpulse assess'; this is a {kind} file"
     assert said in capsys.readouterr().err
 
 

@@ -96,7 +96,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     assert found["body"].tolist() == [f"b{k}" for k in range(15)]
     assert found["frequency"].is_monotonic_decreasing  # the wider, the rarer
     total = sum(found["frequency"])
-    assert f"overturnings of all bodies: {total:.2e} per year" in " ".join(shown.split())
+    assert f"expected number of bodies overturned: {total:.2e} per year" in " ".join(shown.split())
     # The same bodies at sites of their own: the last ten at one whose rates are ten times as high.
     east = ["13" if k < 5 else "14" for k in range(15)]
     rows = "".join(f"b{k},{0.3 + 0.02 * k},3,{east[k]},42.01\n" for k in range(15))

@@ -134,7 +134,7 @@ def test_a_vertical_channel_above_five_g_keeps_its_neighbours_from_counting_wher
         "a.txt",
         "measure",
         "failed",
-        "a.E: left out with a.Z, whose peak of 6.12 g has not been confirmed",
+        "a.E: left out together with a.Z, whose peak of 6.12 g has not been confirmed",
     )
     assert row[3].startswith("a.E: its vertical channel a.Z: peak 6.1")
     assert seen([east, up], include_vertical=True, confirm=("a.Z",)) == (["a.E"], [])
@@ -153,7 +153,7 @@ def test_a_pair_counts_where_each_channel_above_five_g_is_confirmed():
     assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6", f"{name}: a.N: left o"])
     rows = seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]
     assert [row[3][:33] for row in rows] == [f"{name}: a.N:", f"{name}: a.E:"]
-    assert rows[1][3].startswith(f"{name}: a.E: left out with a.N, whose peak of 6.1")
+    assert rows[1][3].startswith(f"{name}: a.E: left out together with a.N, whose peak of 6.1")
     assert len(seen(pair(60.0, 60.0), **turned, confirm=("a.?",))[0]) == 1
 
 

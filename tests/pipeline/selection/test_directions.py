@@ -40,7 +40,7 @@ def test_a_channel_is_conditioned_behind_its_warnings():
     (motion,), _ = motions_under([raw], options)
     expected = condition(raw, **options.conditioning)
     np.testing.assert_array_equal(motion.record.acceleration, expected.acceleration)
-    assert motion.record.warnings[0].startswith("no pair: assessed as recorded")
+    assert motion.record.warnings[0].startswith("no second channel: assessed as recorded")
     assert [code_of(text) for text in motion.record.warnings[1:]] == ["vertical_missing", "baseline_drift"]
     assert motion.record.warnings[2:] == expected.warnings
 
@@ -225,11 +225,11 @@ def test_a_range_of_restitution_keeps_its_dimension():
 @pytest.mark.parametrize(
     ("recorded", "asked", "words"),
     [
-        (45.0, 45.0, "as recorded, at 45 degrees, for the azimuth 45"),
+        (45.0, 45.0, "as recorded, at 45 degrees, in place of 45 degrees"),
         (45.6, 45.0, "as recorded, at 45.6 degrees"),
         (0.0, 359.5, "as recorded, at 0 degrees"),
-        (225.0, 45.0, "for the azimuth 45, the mirror image"),
-        (359.5, 180.0, "for the azimuth 180, the mirror image"),
+        (225.0, 45.0, "in place of 45 degrees (its mirror image"),
+        (359.5, 180.0, "in place of 180 degrees (its mirror image"),
         (46.5, 45.0, None),
         (135.0, 45.0, None),
         (np.nan, 45.0, None),
@@ -249,7 +249,7 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)
         both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
         alone_told, vertical_told = both[0].warnings
-        assert alone_told.startswith("no pair: assessed as recorded")
+        assert alone_told.startswith("no second channel: assessed as recorded")
         assert (
             vertical_told == "no vertical channel of this station overlaps in time: its acceleration is taken as zero"
         )

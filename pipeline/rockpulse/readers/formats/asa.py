@@ -231,7 +231,7 @@ def _facing(word: str) -> kit.Direction:
     facing = kit.direction(base)
     if sense in ("", "+"):
         return facing
-    note = f"the component {word!r} is taken as positive in the direction opposite to {base}"
+    note = f"the component {word!r} is used as the direction opposite to {base}"
     if sense != "-":
         return replace(facing, note=f"the sense {sense!r} of the component is not known; the sign is that of the file")
     if facing.orientation == "vertical":

@@ -308,7 +308,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
     width = columns.width
     late = next((index for index in range(width) if kit.climbs(columns.table[:, index])), None)
     if late is not None:
-        found, advice = f"that column {late + 1 + timed} increases like times", "write the times as the first column"
+        found, advice = f"column {late + 1 + timed}, which increases like times", "write the times as the first column"
         raise kit.unexpected(where, "accelerations", found, advice)
     if columns.headings or width == 1:
         return
@@ -324,7 +324,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
         with np.errstate(all="ignore"):
             alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
         if alike > _INTEGRAL:
-            found = f"that column {before + 3} is the integral of column {before + 2}, as velocity is of acceleration"
+            found = f"column {before + 3}, which is the integral of column {before + 2}, like a velocity"
             advice = _name_them(width + 1, True, ("acc", "vel", "disp"))
             raise kit.unexpected(where, "accelerations in all columns", found, advice)
 

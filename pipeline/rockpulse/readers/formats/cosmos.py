@@ -169,7 +169,7 @@ def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: in
     if linear:
         blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
-            where, other = f"{name}:{blocks[1][0] + 1}", f"a second one after that of line {blocks[0][0] + 1}"
+            where, other = f"{name}:{blocks[1][0] + 1}", f"a second one (the first is in line {blocks[0][0] + 1})"
             raise kit.unexpected(where, "one series of acceleration in the channel", other, kit.FILE_DAMAGED)
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))

@@ -40,7 +40,7 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
         python_warnings.simplefilter("always")
         # A callback of a C library cannot raise errors, such as one for a message that cannot be decoded.
         before = sys.unraisablehook
-        sys.unraisablehook = lambda one: lost.append(f"a message of its C library was lost ({one.exc_value})")
+        sys.unraisablehook = lambda one: lost.append(f"a warning of its C library could not be read ({one.exc_value})")
         try:
             with _standard_error(terminal) as printed:
                 yield notes

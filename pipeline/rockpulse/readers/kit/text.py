@@ -146,7 +146,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
         if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
             found = repr(field.strip()[:40] or "a blank field")
             raise unexpected(f"{where}:{line}", "a finite number", found, "correct the line")
-    raise RecordFormatError(f"{where}: the numbers cannot be converted; correct them")
+    raise RecordFormatError(f"{where}: expected finite numbers, found a field that is none; correct the fields")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:

@@ -118,9 +118,7 @@ AT_DEMAND: Declared = {
         "how the motion of the nominal body ends under the record scaled to the demand",
         first=-1,
     ),
-    "demand_sliding_share": real(
-        "as sliding_share, under the record scaled to the demand", explanation="not computed as above"
-    ),
+    "demand_sliding_share": real("sliding_share under the record scaled to the demand", explanation="NaN as above"),
 }
 
 
@@ -137,7 +135,7 @@ OF_TIES: Declared = {
     ),
     "demand_tie_share": real("largest elongation of each tie divided by its ultimate elongation; NaN without one"),
     "demand_tie_state": flag(
-        ("not_computed", *TieState), "what the record scaled to the demand does to each tie", first=-1
+        ("not_computed", *TieState), "state of each tie under the record scaled to the demand", first=-1
     ),
 }
 

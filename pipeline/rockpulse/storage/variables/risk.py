@@ -48,10 +48,10 @@ INVENTORY: Declared = along(
     survival=real("probability that the body survives the given number of years"),
     median=real("level at which the body overturns with probability 1/2", OWN),
     dispersion=real("standard deviation of ln(S/measure), S the overturning spectrum"),
-    below=real("share of the frequency from levels below those that the hazard was given for"),
-    above=real("share of the frequency from levels above those that the hazard was given for"),
+    below=real("share of the frequency from levels below those of the hazard curve"),
+    above=real("share of the frequency from levels above those of the hazard curve"),
     far=real("share of the frequency from records at factors beyond those of [fragility] factors"),
-    hazard_distance=real("distance of the body's site from the place that its hazard was computed for", "m"),
+    hazard_distance=real("distance of the body's site from the place of its hazard curve", "m"),
     status=flag(RiskStatus, "whether a frequency was computed, or why not"),
 )
 
@@ -59,7 +59,7 @@ INVENTORY: Declared = along(
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
-        probability=real("probability of overturning, the mean of those of the records"),
+        probability=real("probability of overturning, mean over the records"),
         lognormal=real("probability of overturning with S lognormal over earthquakes and records"),
     ),
     **along(
@@ -71,12 +71,12 @@ FREE_FRAGILITY: Declared = {
 
 #: Variables of each body in a test of the hazard by the age of standing bodies.
 STANDING: Declared = {
-    "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
+    "chance": real("probability that the body survives for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
     "chance_high": real("the same at the lower limit of the frequency"),
-    "largest": real("largest annual frequency that is compatible with its age at the confidence", "year^-1"),
-    "factor": real("multiplier of the rates of the hazard at which the frequency would equal the largest one"),
-    "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
+    "largest": real("largest annual frequency that is compatible with the age, at the given confidence", "year^-1"),
+    "factor": real("multiplier of the rates of the hazard at which the frequency would equal `largest`"),
+    "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above `largest`", first=NOT_KNOWN),
 }
 
 
@@ -87,9 +87,9 @@ CHECK: Declared = {
         multiplier=real("alpha_0, multiplier of the horizontal forces that opens the mechanism"),
         share=real("e*, share of the mass that takes part"),
         initial_period=real("T_0 of an element that is free to vibrate; 0 if the body is rigid until it opens", "s"),
-        probability=real("probability of overturning that the verdict of the results rests on"),
+        probability=real("probability of overturning in the verdict of the results"),
         factor_50=real("median over the records of the factor at which that probability is 50 %"),
-        beside=text("why the probability is not known, in words"),
+        beside=text("reason why the probability is not known"),
     ),
     **along(
         ("block", "code"),
@@ -101,8 +101,8 @@ CHECK: Declared = {
         displacement_demand=real("spectral displacement demand of the code", "m"),
         displacement_ratio=real("allowed displacement divided by the demand"),
         records=whole("records whose rotations are checked; 0 for a check by a spectrum"),
-        statement=text("why something is not known, in words"),
-        activation_sense=text("sense that the acceleration is of, empty where both are alike"),
-        displacement_sense=text("sense that the displacement is of, empty where both are alike"),
+        statement=text("reason why a value is not known"),
+        activation_sense=text("sense of rocking of the acceleration; empty if both senses are equal"),
+        displacement_sense=text("sense of rocking of the displacement; empty if both senses are equal"),
     ),
 }

@@ -79,7 +79,7 @@ SITE: Declared = {
             "m s^-1",
             "main impulse I with which the sequence model, with the ratio, interval and main_count of the site, "
             "overturns the block at the design_factor",
-            "ends: these three kept",
+            "ends of the interval: with the same ratio, interval and main_count",
         ),
         rotation_ratio=real("theta_max/alpha_c of the block under its sequence; inf where it overturns"),
         half_cycle=whole("half-cycle in which its sequence without end overturns the block; 0 if it never does"),

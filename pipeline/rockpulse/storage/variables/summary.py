@@ -200,8 +200,8 @@ ANSWER = along(
         "smallest scale factor on the model's input that overturns the block; NaN if not computed",
         explanation="inf: none up to the end of the search",
         comment=lambda config: (
-            f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
-            "if none; a factor at which the model gives no result counts as overturning (factor_resolved)"
+            f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, limits to 1e-6; "
+            "inf if none; a factor at which the model gives no result counts as overturning (factor_resolved)"
         ),
     ),
     factor_resolved=flag(

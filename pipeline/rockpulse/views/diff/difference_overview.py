@@ -166,8 +166,8 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
     note = (
-        "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
-        "difference."
+        "largest: relative difference (inf: one value is not finite) and its position; for texts and flags, the "
+        "position of the first difference."
     )
     text = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)

@@ -68,7 +68,8 @@ class RowMatcher:
         size = self.one.sizes[dim]
         if size != self.other.sizes[dim]:
             self.warnings.append(
-                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: values along it were not compared"
+                f"/{self.group}: {dim} has {size} values in the first file and {self.other.sizes[dim]} in the second: "
+                "variables along it were not compared"
             )
             return None
         every = np.arange(size)

@@ -198,7 +198,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
     asked = [one.impact_friction(c) for c in restitutions]
-    friction = f"{', '.join(map(three_digits, asked))} required during an impact, for information"
+    friction = f"{', '.join(map(three_digits, asked))}, for information"
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
         ("half the diagonal R", one.radius),
@@ -206,7 +206,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),
         *((("beside", one.support),) if one.support else ()),
-        *([("friction of an impact", friction)] if asked[0] else []),
+        *([("friction required by an impact", friction)] if asked[0] else []),
         ("rebound e" if one.value("one_sided") else "restitution C", ", ".join(map(restitution, restitutions))),
         ("critical impulse I_1c", number("critical_impulse", "m/s")),
         *(("warning", warning) for warning in one.lines("block_warnings")),

@@ -130,7 +130,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
     )
     order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(MOST_BODIES, int(known.sum()))]
     notes = [
-        f"the {order.size} bodies that overturn most often; overturnings of all bodies: "
+        f"the {order.size} bodies that overturn most often; expected number of bodies overturned: "
         f"{_rate(float(np.sum(frequency[known])))} per year, {_rate(float(np.nansum(risk['probability'].values)))} "
         f"expected in {years:g} years.",
         f"intervals: over earthquakes, with the hazard as given; median: {measure} at which a body overturns with a "
@@ -167,8 +167,8 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
     for name, words in where.items():
         if count := int(np.sum(risk[name].values > OUTSIDE)):
             warnings.append(
-                f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
-                f"{share(float(np.nanmax(risk[name].values)))}, comes from {words}"
+                f"more than a tenth of the frequency (at most {share(float(np.nanmax(risk[name].values)))}) comes from "
+                f"{words}: {count} of {several(risk.sizes['body'], 'body')}"
             )
     return warnings
 

@@ -122,13 +122,13 @@ def test_a_file_with_a_zero_byte_is_no_table():
 def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(write):
     noise = np.random.default_rng(3).normal(size=200)
     velocity = np.append(0.0, np.cumsum(0.005 * (noise[1:] + noise[:-1])))
-    with pytest.raises(RecordFormatError, match="column 3 is the integral of column 2"):
+    with pytest.raises(RecordFormatError, match="column 3, which is the integral of column 2"):
         read(write(table(TIMES, noise, velocity, number="{:.9f}")), units="g")
     for first, second in ((0.005, 0.001), (0.001, 0.005)):
         other = np.append(0.0, np.cumsum(first * noise[1:] + second * noise[:-1]))
         assert len(read(write(table(TIMES, noise, other, number="{:.9f}")), units="g")) == 2
     velocity = np.append(0.0, np.cumsum(0.005 * (VALUES[1:] + VALUES[:-1])))
-    with pytest.raises(RecordFormatError, match="column 3 is the integral of column 2"):
+    with pytest.raises(RecordFormatError, match="column 3, which is the integral of column 2"):
         read(write(table(TIMES, VALUES, velocity, number="{:.9f}")), units="g")
 
 
@@ -147,7 +147,7 @@ def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_
     )
     assert record.acceleration == pytest.approx(VALUES[:count] * STANDARD_GRAVITY, rel=1e-12)
     assert record.warnings == ("columns left out because they are no accelerations: frequency (Hz)",)
-    with pytest.raises(RecordFormatError, match="expected accelerations, found that column 1 increases like times"):
+    with pytest.raises(RecordFormatError, match="expected accelerations, found column 1, which increases like times"):
         read(write(table(0.1 * steps, header="frequency (Hz)\n")), units="g", dt=0.01)
     (record,) = read(
         write(table(5.0 - 0.1 * (steps // 2), VALUES[:count], header="period (s)  acc (g)\n")), units="g", dt=0.01

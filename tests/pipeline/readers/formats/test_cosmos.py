@@ -164,7 +164,7 @@ def test_a_channel_without_a_code_of_seed(write, arguments, channel):
         (cosmos(pulse())[: cosmos(pulse()).index(b"(8f9.6)") + 7], r"V1C:45: expected 400 samples .*, found 0"),
         (
             cosmos(pulse(), sections=[series(pulse()), series(2.0 * pulse())]),
-            r"V1C:96: expected one series of acceleration in the channel, found a second one after that of line 45",
+            r"V1C:96: expected one series of acceleration in the channel, found a second one \(the first is in line 45",
         ),
     ],
 )

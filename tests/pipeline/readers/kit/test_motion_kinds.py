@@ -91,7 +91,7 @@ def test_the_integrals_of_a_file_are_skipped_whatever_their_heading(tmp_path, he
     assert len(repr(records[0])) < 100
     assert [Path(one.source).stem for one in records] == ["x3", "x4"]
     assert [(Path(row.file).stem, row.kind) for row in failures] == [("x1", "skipped"), ("x2", "skipped")]
-    assert "its derivative is x3.txt" in failures[1].reason
+    assert "its derivative is the series of x3.txt" in failures[1].reason
 
 
 def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):

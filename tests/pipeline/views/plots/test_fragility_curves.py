@@ -78,7 +78,7 @@ def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
     tree["fragility"]["probability_high"].values[:] = 0.99
     ax = fragility(tree, block="wall")
     assert not ax.collections
-    assert "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (too few" in small_print(ax)
+    assert "The band of the curve of overturning is not drawn: with so few" in small_print(ax)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_where_no_body_lies_the_curve_is_straight_and_a_record_without_one_is_le
     ax = overturning_spectra(some, restitution=0.85, bodies={"wall": (1.0, 0.2)})
     assert lines(ax)["median"] == pytest.approx([0.2, 0.4])
     assert ax.get_xlim() == pytest.approx((1.0, 4.0))
-    assert "The curve is straight where there is no body" in small_print(ax)
+    assert "Between the p of the bodies the curve is a straight line" in small_print(ax)
     some["spectrum"].values[:, 2] = np.nan
     # Nothing is drawn beyond.
     assert overturning_spectra(some, restitution=0.85).get_xlim() == pytest.approx((1.0, 1.6))

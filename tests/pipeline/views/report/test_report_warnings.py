@@ -56,8 +56,8 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
 @pytest.mark.parametrize(("lower", "told"), [(0.9, True), (1.1, False)])
 def test_a_body_that_overturns_within_the_interval_of_the_design(lower, told):
     found = heads(with_codes([1.4]), site=site(lower=lower))
-    assert [head for head in found if head.startswith("within its 90 % interval")] == (
-        ["within its 90 % interval the design overturns b"] if told else []
+    assert [head for head in found if head.startswith("at the upper end of its 90 % interval")] == (
+        ["at the upper end of its 90 % interval the design overturns b"] if told else []
     )
 
 

@@ -196,7 +196,7 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
     )  # fmt: skip
     summary = summary.assign(uplift_ratio=(("record", "block"), np.full((10, 1), 0.3)))
     told = sentence(answers(summary), verdict(summary))
-    assert told.startswith("Not lifted by any of 10 records at the demand “ULS”; no conclusion can be drawn")
+    assert told.startswith("None of 10 records lifts the body at the demand “ULS”; no conclusion can be drawn")
     assert grade_cell(verdict(summary).deciding).text == "at rest"
 
 

@@ -52,7 +52,7 @@ def shown(tie, elongation, state):
         (STEEL, [INF, 0.05, 0.0], [3, 2, 0], ["50", "25 %", "40", "2 of 2", "1 of 2", "b"],
          "it breaks under 1 of 2 motions, after carrying up to 40 kN: the tie"),
         (ENDLESS, [0.0, 0.0, 0.0], [0, 0, 0], ["0", "-", "0", "-", "-", "-"],
-         "it does not act at the demand. It never breaks"),
+         "it carries no force at the demand. It never breaks"),
         (ENDLESS, [0.003, 0.02, 0.0], [1, 1, 0], ["20", "-", "40", "-", "-", "b"],
          "must take 40 kN at an elongation of 20 mm"),
     ],
