@@ -68,7 +68,7 @@ WARNINGS = {
     "scaled_to_drift": "scaled to a PGV that is doubtful, because the baseline of the record drifts",
     # the vertical channel of a record
     "vertical_acceleration": "vertical acceleration: {record}",
-    "vertical_missing": "no vertical channel of this station overlaps in time: its acceleration is taken as zero",
+    "vertical_missing": "no vertical channel of this station overlaps in time: vertical acceleration taken as zero",
     "vertical_start_assumed": "vertical channel: assumed to start together with this channel; the files state no times",
     "vertical_short": "vertical channel: its acceleration is taken as zero in the {missing:.4g} s that it does not "
     "cover",
@@ -117,9 +117,9 @@ STATEMENTS = {
     "{level:.3g}; add lower levels",
     "one_reached": "no curve: only one of {records:d} records reached the limit state (at {levels}); at least two are "
     "needed for a dispersion",
-    "step": "a step at {level:.3g}: all known capacities are equal; there is no dispersion",
+    "step": "the curve is a step at {level:.3g}: all known capacities are equal; there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
-    "no_maximum": "no curve: the likelihood has no maximum that could be found",
+    "no_maximum": "no curve: no maximum of the likelihood was found",
     "one_level": "no curve: all motions have the same level, {level:.3g}; at least two levels are needed for a "
     "dispersion",
     "separated_at": "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the "

@@ -234,7 +234,7 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
     if not masses or not mass > LIGHT * min(masses):
         return []
     return [
-        f"mass {mass:.4g} kg is {mass / min(masses):.2g} of the mass of its floor: the floor's motion is computed "
+        f"mass {mass:.4g} kg is {mass / min(masses):.2g} times the mass of its floor: the floor's motion is computed "
         f"without the body, which is accurate up to a ratio of {LIGHT:g}"
     ]
 

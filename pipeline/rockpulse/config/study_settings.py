@@ -83,8 +83,8 @@ def _distribution(value: Any) -> tuple[float, ...]:
 
 
 _RANGE = KeyType(
-    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, three or more "
-    "measured values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
+    "values of C divided by the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, three "
+    "or more measured values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
     _is_distribution,
     _distribution,
 )
@@ -107,8 +107,8 @@ _LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _flo
 class UncertaintySettings(Section):
     """The uncertainties behind the probability of overturning, and whether this probability is computed.
 
-    The probability is computed only with the nonlinear model. `restitution` has values of C over the nominal C: two
-    limits of a uniform distribution, three or more measured values, or mean and deviation of a normal distribution.
+    The probability is computed only with the nonlinear model. `restitution` has values of C divided by the nominal C:
+    two limits of a uniform distribution, three or more measured values, or mean and deviation of a normal distribution.
 
     >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
     Uncertainty(restitution=(0.85, 0.95))

@@ -188,7 +188,7 @@ def test_a_stiff_building_is_the_ground():
 def test_a_body_heavy_beside_its_floor_gets_a_warning():
     floor = rp.FloorSettings(period=0.5, mass=1e4)
     summary = rp.assess([RECORD], config(body("heavy", mass=2e3, floors=(floor,))))["summary"]
-    assert "is 0.2 of the mass of its floor" in str(summary["block_warnings"].values[0])
+    assert "is 0.2 times the mass of its floor" in str(summary["block_warnings"].values[0])
 
 
 def test_what_is_of_the_ground_refuses_bodies_aloft():

@@ -107,7 +107,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
-        expected, advice = "'NPTS= n, DT= s SEC' or 'n s NPTS, DT'", "write the line in one of these ways"
+        expected, advice = "'NPTS= 4000, DT= .01 SEC' or '4000 .01 NPTS, DT'", "write the line in one of these ways"
         raise kit.unexpected(f"{file.name}:{end + 1}", expected, repr(header[end].strip()), advice)
     count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):

@@ -153,7 +153,7 @@ def test_a_tie_without_ultimate_is_stated_and_gives_no_displacement():
     assert allowed == pytest.approx([0.08, 0.08, 0.08])
     assert (found["activation"][1] > found["activation"][0]).all()
     said = found["statement"].values
-    assert "a tie without ultimate" in said[1, 0]
+    assert "a tie has no ultimate elongation" in said[1, 0]
     assert [said[0, 0], said[2, 0], said[1, 1]] == ["", "", ""]
 
 

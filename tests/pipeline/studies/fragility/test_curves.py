@@ -197,7 +197,7 @@ def test_equal_capacities_are_a_step_without_a_band():
     curve = fit_capacities([2.0, 2.0 * (1.0 + 1e-15), np.inf], limits=[9.0, 9.0, 1.0])
     assert curve.status == Status.STEP
     assert (curve.median, curve.beta) == (pytest.approx(2.0), 0.0)
-    assert curve.statement == "a step at 2: all known capacities are equal; there is no dispersion"
+    assert curve.statement == "the curve is a step at 2: all known capacities are equal; there is no dispersion"
     assert curve.probability([1.9, 2.1])[0].tolist() == [0.0, 1.0]
     assert curve.probability([curve.median])[0].tolist() == [1.0]  # reached at the very level
     assert np.isnan(curve.probability([1.9, 2.1])[1:]).all()
@@ -231,7 +231,7 @@ def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
     monkeypatch.setattr(curves, "maximise", lambda family, design, kind, weights: np.full((len(weights), 2), np.nan))
     curve = fit_capacities(CAPACITIES, EVENTS)
     assert (curve.status, curve.band) == (Status.NO_MAXIMUM, Band.NO_CURVE)
-    assert curve.statement == "no curve: the likelihood has no maximum that could be found"
+    assert curve.statement == "no curve: no maximum of the likelihood was found"
 
 
 def test_a_median_at_the_last_level_is_no_extrapolation():
