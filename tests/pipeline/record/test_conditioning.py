@@ -242,7 +242,7 @@ def test_taper_is_a_cosine_that_leaves_the_middle_alone():
     # Of 4 s of 10 s 3/8 are left; of three equal impulses that in the middle.
     impulses = np.where(np.isin(np.arange(1001), [0, 500, 1000]), 1.0, 0.0)
     motions = (record(own) for own in (np.ones(1001), np.zeros(1001), impulses))
-    notes = [condition(motion, "none", taper_s=2.0).processing[0].partition("took ")[2] for motion in motions]
+    notes = [condition(motion, "none", taper_s=2.0).processing[0].partition("removes ")[2] for motion in motions]
     assert notes == ["25 % of the energy", "0 % of the energy", "67 % of the energy"]
     assert tapered[[0, 50, 100, 150, 200, 500, 800, 900, 1000]] == pytest.approx(
         [0.0, 0.5 - 0.125**0.5, 0.5, 0.5 + 0.125**0.5, 1.0, 1.0, 1.0, 0.5, 0.0]
