@@ -155,7 +155,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
         with FileSet() as trial:
             trial.add(target, b"")
     except OSError as error:
-        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+        raise ResultsError(f"{path}: cannot write in {target.parent}: {error.strerror}; use another folder") from error
     return target
 
 

@@ -77,7 +77,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     if others and pair is None:
         raise RecordRefused(
             f"{record.id}: it has no second horizontal channel, and its azimuth is {azimuth:g} degrees: it cannot be "
-            f"rotated to the direction of a body, {others[0].azimuth:g} degrees"
+            f"rotated to the direction of a body, {others[0].azimuth:g} degrees; give both channels"
         )
     return found
 

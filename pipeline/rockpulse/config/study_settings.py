@@ -354,7 +354,7 @@ def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
         with path.open("rb") as file:
             content = file.read(LOGO_LIMIT + 1)
     except OSError as error:
-        raise ConfigError(f"[report] logo: {path} cannot be read ({error.strerror})") from error
+        raise ConfigError(f"[report] logo: {path} cannot be read ({error.strerror}); check the path") from error
     if not content.startswith(PNG):
         raise ConfigError(f"[report] logo: {path}: expected a PNG picture, found another file")
     if len(content) > LOGO_LIMIT:

@@ -95,7 +95,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
     if entry.flag_bits & 0x1:
         raise RecordRefused(f"{name}: encrypted; unpack the archive with its password first")
     if entry.file_size > FILE_LIMIT:
-        raise RecordRefused(f"{name}: {entry.file_size} bytes, expected at most {FILE_LIMIT}")
+        raise RecordRefused(f"{name}: {entry.file_size} bytes, expected at most {FILE_LIMIT}; shorten the record")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
         found = f"its compression ratio is {entry.file_size / max(entry.compress_size, 1):.0f}, above {RATIO_LIMIT}"
         raise RecordRefused(f"{name}: {found}, the limit; unpack it by hand if it is a record")

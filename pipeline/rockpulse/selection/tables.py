@@ -46,7 +46,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
             )
         weights = np.array([table[name] for name in ids])
         if not np.any(weights > 0.0):
-            raise ConfigError(f"[calibration] weights: {rule}: the weights of all records are 0")
+            raise ConfigError(f"[calibration] weights: {rule}: the weights of all records are 0; give one above 0")
         weights = weights / weights.max()  # the sum of very large weights would overflow
     return np.asarray(weights / weights.mean()) if weights.size else weights
 
@@ -87,7 +87,7 @@ def read_selection_table(path: Path, where: str = "[fragility] selection") -> Se
             raise ConfigError(f"{where}: {path}: row {line}: expected the id of a record, found an empty cell")
         own = found.setdefault(record, [])
         if any(amount == values[0] for amount, _ in own):
-            raise ConfigError(f"{where}: {path}: row {line}: {record} already has a row with {kinds[0]} {values[0]:g}")
+            raise ConfigError(f"{where}: {path}: row {line} repeats {kinds[0]} {values[0]:g} of {record}; remove it")
         own.append((values[0], values[1] if len(values) > 1 else 1.0))
     if not found:
         raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
@@ -148,7 +148,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
         if not name or not value:
             raise ConfigError(f"{where}: {path}: row {line}: expected a record and its {column}, found an empty cell")
         if name in found:
-            raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}")
+            raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}; keep one")
         found[name] = value
     return found
 

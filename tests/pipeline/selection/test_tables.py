@@ -33,7 +33,7 @@ def test_levels_and_weights_are_read(tmp_path):
         ("record,factor,weight\na,1,x\n", "row 2: weight: expected a number above 0, found 'x'"),
         ("record,factor,weight\na,1\n", "row 2: weight: expected a number above 0, found ''"),
         ("record,factor\n,1\n", "row 2: expected the id of a record, found an empty cell"),
-        ("record,factor\na,1\na,1\n", "row 3: a already has a row with factor 1"),
+        ("record,factor\na,1\na,1\n", "row 3 repeats factor 1 of a; remove it"),
         ("record,factor\n", "expected a row for each record that was chosen, found none"),
         ("id,factor\na,1\n", "expected the columns record"),
         ("", "it is empty"),

@@ -216,7 +216,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
     """
     if header.integer(52) in _VELOCITY_SENSORS:
         sensor = f"integer 52 of the header is {header.integer(52)}"
-        raise kit.NotAcceleration(f"{where}: counts of a velocity sensor ({sensor})")
+        raise kit.NotAcceleration(f"{where}: counts of a velocity sensor ({sensor}); {kit.ACCELERATION_FILE}")
     missing = [f"{number} ({what})" for number, what in _FACTORS.items() if not header.real(number) >= _LEAST_FACTOR]
     advice = "read the V1 or V2 file of the record, or fill in the header"
     if missing:

@@ -42,7 +42,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
         part.touch(exist_ok=False)  # fails for a name that is too long with the temporary suffix
         part.unlink()
     except OSError as error:
-        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+        raise ResultsError(f"{path}: cannot write in {target.parent}: {error.strerror}; use another name") from error
     return target
 
 

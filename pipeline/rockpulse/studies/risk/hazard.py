@@ -199,9 +199,7 @@ class HazardCurve(_Hazard):
             raise ConfigError(f"{self.source}: expected positive rates that do not increase, found {rates.tolist()}")
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))
         if slopes[-1] == 0.0:
-            raise ConfigError(
-                f"{self.source}: the last two rates are equal, {rates[-1]:g}: the slope beyond them is unknown"
-            )
+            raise ConfigError(f"{self.source}: the last two rates are equal, {rates[-1]:g}: leave the last one out")
         knots = np.log(level * self.soil_factor)
         for name, value in (("level", level), ("rates", rates), ("knots", knots), ("slopes", slopes)):
             value.flags.writeable = False

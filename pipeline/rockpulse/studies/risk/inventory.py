@@ -210,7 +210,7 @@ def read_inventory(path: str | Path) -> Inventory:
         raise ConfigError(f"{path}: expected the columns {needed}; missing: {', '.join(missing)}")
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
-        raise ConfigError(f"{path}: expected a unique name for each body")
+        raise ConfigError(f"{path}: expected a unique name for each body, found an empty or repeated one")
     others = [str(name) for name in table if name not in (*NEEDED, "restitution", *SITE)]
     for name in others:
         own = ~table[name].str.lower().isin(_NOT_GIVEN)

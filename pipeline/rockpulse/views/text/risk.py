@@ -167,8 +167,8 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
     for name, words in where.items():
         if count := int(np.sum(risk[name].values > OUTSIDE)):
             warnings.append(
-                f"more than a tenth of the frequency (at most {share(float(np.nanmax(risk[name].values)))}) comes from "
-                f"{words}: {count} of {several(risk.sizes['body'], 'body')}"
+                f"{count} of {several(risk.sizes['body'], 'body')}: more than a tenth of the frequency "
+                f"(up to {share(float(np.nanmax(risk[name].values)))}) comes from {words}"
             )
     return warnings
 

@@ -75,7 +75,7 @@ def test_a_foreign_file_that_is_in_use_is_not_taken_for_a_damaged_one(tmp_path):
 def test_a_name_too_long_for_the_file_system_is_refused_at_once(tmp_path, length):
     if os.name != "posix" or os.pathconf(tmp_path, "PC_NAME_MAX") != 255:
         pytest.skip("needs a file system whose names have 255 bytes")
-    with pytest.raises(ResultsError, match=r"cannot write into the folder .*: File name too long"):
+    with pytest.raises(ResultsError, match=r"cannot write in .*: File name too long"):
         check_target(tmp_path / ("r" * length))
     assert list(tmp_path.iterdir()) == []
 
@@ -111,5 +111,5 @@ def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):
         raise OSError(30, "Read-only file system")
 
     monkeypatch.setattr(target_file.Path, "touch", refuse)
-    with pytest.raises(ResultsError, match=r"cannot write into the folder .*: Read-only file system"):
+    with pytest.raises(ResultsError, match=r"cannot write in .*: Read-only file system"):
         check_target(tmp_path / "results.h5")
