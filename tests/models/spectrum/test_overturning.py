@@ -13,10 +13,11 @@ from rocking.spectrum.overturning import (
     OverturningFactors,
     covered,
     covered_range,
+    shared_rates,
     slender_within,
 )
 from rocking.spectrum.probability import NO_LANE, factor_at, mean_capacity, rising
-from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
+from rocking.spectrum.slender_lanes import RATES, SpectrumLanes, spectrum_lanes
 from synthetic import synthetic_motion
 
 DT = 0.01
@@ -127,6 +128,17 @@ def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     assert spectrum.covers(blocks).tolist() == [True, False, False, False]
     with pytest.raises(ValueError, match=r"not to 3 of 4 blocks, the first at index 1"):
         spectrum.factors(blocks)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.4, 1.0])
+def test_the_frequency_parameters_shared_by_many_bodies_enclose_each_of_them(place):
+    lowest = RATES[0] + place * (0.98 * RATES[-1] - RATES[0])
+    p = np.linspace(lowest, lowest + 0.02 * RATES[-1], 200)
+    shared = shared_rates(p, own=1000, shared=1000)
+    assert shared[0] <= p[0] * (1.0 + 1e-9)
+    assert shared[-1] >= p[-1] * (1.0 - 1e-9)
+    assert np.sum((shared > p[0]) & (shared < p[-1])) >= shared.size - 2
+    assert shared_rates(p[:100], own=1000, shared=1000) is None
 
 
 def test_the_ends_of_what_is_covered_belong_to_it_within_rounding():
