@@ -201,6 +201,11 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
+def test_a_sampling_rate_of_ten_thousand_is_accepted(write):
+    (record,) = read(write(smc(pulse(400), rate=10_000.0)))
+    assert record.dt == 1e-4
+
+
 @pytest.mark.parametrize(
     ("codes", "structural"),
     [
