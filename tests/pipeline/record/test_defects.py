@@ -67,6 +67,8 @@ def test_a_sound_record_has_none(samples):
 def test_a_flat_channel_is_dead_and_one_of_few_steps_is_noise():
     assert codes(np.full(3000, 0.3)) == ["dead_channel"]
     assert codes(0.3 + 0.001 * np.random.default_rng(0).integers(0, 3, 3000)) == ["noise_only"]
+    few = 0.3 + 0.001 * np.round(3.0 * BURST)
+    assert codes(few) == codes(np.where(TIME % 0.02 < 0.01, few, np.nextafter(few, 1.0))) == ["noise_only"]
 
 
 def test_a_weak_motion_in_noise_neither_begins_nor_ends_in_strong_motion():
@@ -159,6 +161,13 @@ def test_a_high_pass_takes_the_velocity_of_a_step_away_so_that_it_does_not_decid
     stepped = record(*step(shaking(), DT, 25.0), source="made.csv")
     assert [one.code for one in deciding(condition(stepped, "mean"))] == ["velocity_drift"]
     assert deciding(condition(stepped, "mean", highpass_hz=0.3)) == []
+
+
+def test_a_drift_barely_above_the_rest_of_the_velocity_does_not_decide():
+    stepped = condition(record(*step(shaking(), DT, 7.0), source="made.csv"), "mean")
+    drift = find(stepped.warnings, "baseline_drift").values
+    assert 1.25 < drift["slow"] / drift["rest"] < 1.5
+    assert deciding(stepped) == []
 
 
 def test_a_velocity_that_an_array_without_a_file_leaves_does_not_decide():

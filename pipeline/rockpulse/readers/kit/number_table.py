@@ -149,7 +149,7 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
     if any(len(row) > LINE_LIMIT for row in rows):
         return None
     text = "\n".join(rows).replace('"', " ")
-    if not text or text.endswith("\n") or not text.isascii():
+    if not text or not text.isascii():
         return None
     codes = np.frombuffer(text.encode(), dtype=np.uint8)
     starts = np.append(0, np.flatnonzero(codes == ord("\n")))  # a row includes the line break before it

@@ -375,11 +375,12 @@ def test_numbers_that_touch_are_told_apart_at_their_signs(write):
     assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-9)
 
 
-def test_numbers_that_touch_without_a_sign_are_told_apart_by_a_width_that_all_of_them_fit(write):
+@pytest.mark.parametrize(("width", "per_row"), [(10, 8), (11, 7), (12, 5), (13, 6), (14, 5), (15, 5), (16, 5)])
+def test_numbers_that_touch_without_a_sign_are_told_apart_by_the_width_that_all_of_them_fit(write, width, per_row):
     """Five fields of 12 characters are as long as six of 10."""
-    values = np.abs(pulse(5)) + 0.01
-    (record,) = read(write(at2(values, field="{:12.6E}", per_row=5)))
-    assert record.acceleration / record.unit_factor == pytest.approx(values, rel=1e-6)
+    values = np.abs(pulse(4 * per_row)) + 0.01
+    (record,) = read(write(at2(values, field=f"{{:{width}.{width - 6}E}}", per_row=per_row)))
+    assert record.acceleration / record.unit_factor == pytest.approx(values, rel=0.1 ** (width - 6))
 
 
 def test_a_block_of_shake(write):
