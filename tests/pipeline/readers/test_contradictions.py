@@ -188,6 +188,24 @@ def test_the_example_of_the_hint_typed_above_the_file_names_its_columns(put, cou
     assert len(read(put(f"{example}\n{text}"), units="g", dt=0.01)) == count
 
 
+@pytest.mark.parametrize(
+    ("name", "channel"), [("a_E.txt", "090"), ("a.NS", "000"), ("a_UP.txt", "UP"), ("a.L", "L"), ("a.txt", "1")]
+)
+def test_without_headings_the_channel_is_the_direction_or_the_suffix_in_the_name_of_the_file(put, name, channel):
+    (record,) = read(put("".join(f"{value:.5f}\n" for value in VALUES), name), units="gal", dt=0.01)
+    assert (record.channel, record.id) == (channel, f"{name.partition('.')[0]}.{channel}")
+
+
+def test_a_column_with_the_magnitude_of_three_components_is_left_out_even_where_it_is_zero(put):
+    cells = VALUES[:, np.newaxis] * [1.0, 0.5, -0.2]
+    cells[:20] = 0.0
+    cells = np.column_stack([cells, np.linalg.norm(cells, axis=1)])
+    rows = "".join(",".join(f"{value:.6f}" for value in row) + "\n" for row in cells)
+    records = read(put("N [gal],E [gal],Z [gal],all [gal]\n" + rows), dt=0.01)
+    assert [record.azimuth for record in records[:2]] == [0.0, 90.0]
+    assert [record.orientation for record in records[2:]] == ["vertical"]
+
+
 def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
     path = put("".join(f"{value:.5f}\n" for value in VALUES), "a.dat")
     with pytest.raises(UnitError, match=r'\[\[records.file\]\]\nmatch = "\*.dat"\nunits = "g"'):
