@@ -251,6 +251,10 @@ def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():
     assert PAIRS.of_earthquakes(values[:, 1]) == pytest.approx(expected[:, 1])
 
 
+def test_a_motion_overturns_in_any_of_its_directions_but_not_in_one_that_was_not_assessed():
+    assert PAIRS.in_any_direction(np.array([False, True, False, False, False])).tolist() == [True, False, False]
+
+
 @pytest.mark.parametrize("any_azimuth", [False, True])
 def test_the_share_of_each_body_is_over_its_motions(any_azimuth):
     """The worst direction, or the mean over them; a missing one may be 0 or 1."""

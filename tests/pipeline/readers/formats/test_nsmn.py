@@ -30,6 +30,12 @@ def test_the_three_columns(write, end):
     assert records[0].event == "2017/07/20 22:31:09 (GMT) M 6.5 Mw"
 
 
+def test_names_of_columns_may_be_in_small_letters(write):
+    small = nsmn(TABLE).replace(b"N-S", b"n-s")
+    assert [record.component for record in read(write(small))] == ["N-S", "E-W", "U-D"]
+    assert all(record.header_peak > 0.0 and not record.warnings for record in read(write(small)))
+
+
 def test_turkish_letters(write):
     content = nsmn(TABLE, place="DÜZCE İŞĞı")
     assert b"D\xdcZCE \xdd\xde\xd0\xfd" in content
