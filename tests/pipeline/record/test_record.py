@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.record.record import STANDARD_GRAVITY, Record, distinct_ids, id_matches, record_id
+from rockpulse.record.record import STANDARD_GRAVITY, Record, distinct_ids, id_matches, outline_of, record_id
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
@@ -170,6 +170,11 @@ def test_a_record_is_told_in_a_line_and_drawn(ccc):
     assert record.id in card
     assert "<svg" in card
     assert len(card) < 12_000
+
+
+def test_the_outline_is_the_length_the_peak_and_when_shares_of_the_energy_are_reached():
+    steady = Record(0.3 + np.tile([1.0, -1.0], 500), 0.01, id="steady")
+    assert outline_of(steady) == pytest.approx((1000, 1.0, 0.5, 2.5, 5.0, 7.5, 9.5), abs=0.011)
 
 
 def test_gravity_is_the_standard_one():
