@@ -49,7 +49,7 @@ def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
 
 
 def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the values as arrays of equal length, single values repeated; raise ValueError for different lengths."""
+    """Return arrays of equal length, in which single values are repeated; raise ValueError for different lengths."""
     try:
         return tuple(np.broadcast_arrays(*values.values()))
     except ValueError:

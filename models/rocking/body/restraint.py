@@ -286,7 +286,7 @@ class Restraints:
         return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
 
     def constant(self, base: float) -> np.ndarray:
-        """Return factors (2, 2) of cos(phi) and sin(phi) in the moment of loads and thrusts at each corner [N m]."""
+        """Return coefficients (2, 2) of cos(phi) and sin(phi) in the moment of loads and thrusts by corner [N m]."""
         found = np.zeros((2, 2))
         for load in self.loads:
             near = self.bearing(load, base) - self.hinge

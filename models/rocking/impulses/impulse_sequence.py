@@ -103,7 +103,7 @@ class ImpulseSequence(Shown):
         return np.shape(self.main)
 
     def scaled(self, factor: ArrayLike) -> Self:
-        """Return the sequence with both impulses multiplied by a factor, or (q,) sequences for (q,) factors."""
+        """Return the sequence with both impulses multiplied by a scale factor, or (q,) sequences for (q,) of them."""
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)

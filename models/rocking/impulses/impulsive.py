@@ -54,11 +54,11 @@ def impulsive_response(
     gain : {"paper", "linear", "exact", "tangent"}
         See :data:`GAINS`.
     scale : float or (q,) array_like
-        Factor on the impulses [-], finite.
+        Scale factor on the impulses [-], finite.
     history_dt : float, optional
         Step of the history [s], which starts at time 0 or at an earlier first impulse; None for no history.
     block_scale : float or (m,) array_like
-        Additional factor on the impulses for each block, finite [-].
+        Additional scale factor on the impulses for each block, finite [-].
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
 

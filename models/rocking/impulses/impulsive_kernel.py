@@ -38,9 +38,9 @@ class Train(NamedTuple):
 
 
 class ImpulsiveLanes(NamedTuple):
-    """The q m lanes, one for each of q factors on the impulses and each of m blocks."""
+    """The q m lanes, one for each of q scale factors on the impulses and each of m blocks."""
 
-    scale: np.ndarray  #: (q, m) factor on the impulses [-]
+    scale: np.ndarray  #: (q, m) scale factor on the impulses [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
     p: np.ndarray  #: (m,) frequency parameter [1/s]
     restitution: np.ndarray  #: (m,) restitution C [-]
@@ -49,7 +49,7 @@ class ImpulsiveLanes(NamedTuple):
 
 
 class History(NamedTuple):
-    """The motion of each block under each factor at given times."""
+    """The motion of each block at each scale factor and at given times."""
 
     times: np.ndarray  #: (h,) times [s], ascending; (0,) for no history
     motion: np.ndarray  #: (q m, h, 2) zeros that receive theta [rad] and theta' [rad/s]; NaN once the block lies down
@@ -119,8 +119,8 @@ def _tabulate(waits, times, p):
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
     """Compute lanes first_lane to last_lane - 1 and write their results; `waits` (3, k) is working memory.
 
-    Lane l is block l // q under the factor l % q, so that neighbouring lanes have the same p and the same `waits`. No
-    logarithms are needed between events, because exp(p t) at an impact is an algebraic function of x and x'.
+    Lane l is block l // q at the scale factor l % q, so that neighbouring lanes have the same p and the same `waits`.
+    No logarithms are needed between events, because exp(p t) at an impact is an algebraic function of x and x'.
     """
     times, impulses = train.times, train.impulses
     total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size

@@ -310,9 +310,9 @@ def resonance_safety(
     Notes
     -----
     Scale factors from I_Nc/I to below I_(N-1)c/I overturn the block in half-cycle N. The start of this half-cycle grows
-    with the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 -
-    C^j)/(1 - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N >=
-    j/N and the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
+    with the scale factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1
+    - C^j)/(1 - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N
+    >= j/N and the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
 
     Examples
     --------

@@ -77,9 +77,9 @@ def sequence_response(
     With u_1 = I/I_1c (Eq. 3) and a = u_1 I_s/I (Eq. 11), each half-cycle of start velocity u goes through the steps of
     section 3.2: find the first return T* with the trial dT, or T* of the limit n -> infinity if it does not return; n =
     max(2, 2 round(T*/(2 dT))); solve x(T) = 0 for the smallest T with the corrected interval dT = T/n (T/(n + 1) for
-    "open"), without a root the block overturns. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with
-    I_s/I above 2/3 and "middle" above 6/7 the corrected motion may pass through the ground inside a half-cycle, which
-    the closed form does not detect: this is logged as a warning.
+    "open"); if there is no root, the block overturns. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start"
+    with I_s/I above 2/3 and "middle" above 6/7 the corrected motion may pass through the ground inside a half-cycle,
+    which the closed form does not detect: this is logged as a warning.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Return outcomes (q, n) of the blocks with indices `chosen` (n,) under their sequence times `factors` (q, n)."""
+    """Return outcomes (q, n) of blocks with indices `chosen` (n,) under their sequences scaled by `factors` (q, n)."""
     paired = sequence.shape != ()
     if (paired and sequence.shape != block.shape) or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(

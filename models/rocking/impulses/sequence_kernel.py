@@ -163,7 +163,10 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Combine q inputs with m blocks, all with all or in pairs; return shape, whether axes are scalar, flat arrays."""
+    """Combine q inputs with m blocks: every input with every block or, if `paired`, each input with one block.
+
+    Returns the shape of the result, whether each of its two axes comes from single values, and the flattened arrays.
+    """
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:

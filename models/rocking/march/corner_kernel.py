@@ -15,9 +15,9 @@ from rocking.march.slots import LEFT, Slots, empty_slots
 
 
 class CornerLanes(NamedTuple):
-    """The q m lanes of q factors on the record and m bodies: lane l is body l % m under the factor l // m."""
+    """The q m lanes of q scale factors on the record and m bodies: lane l is body l % m at scale factor l // m."""
 
-    factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
+    factors: np.ndarray  #: (q,) scale factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each body [-]
     alpha: np.ndarray  #: (2, m) angle of each corner [rad]
     p: np.ndarray  #: (2, m) frequency parameter of each corner [1/s]

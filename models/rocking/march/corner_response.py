@@ -31,7 +31,7 @@ from rocking.response import Outcome, Response, empty_results, response_of
 
 
 def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """Run a kernel for q factors and m bodies (`shape`); return the response, with a history unless `samples` is 0."""
+    """Run a kernel for q scale factors and m bodies (`shape`); return the response, with history if `samples` > 0."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """Compute the response of m bodies, all with or all without restraints, from the state `start` (theta, theta')."""
+    """Compute the response of m bodies, all restrained or all unrestrained, from the state `start` (theta, theta')."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))

@@ -23,9 +23,9 @@ STRICTLY = 1e-14
 
 
 class MarchLanes(NamedTuple):
-    """The q m lanes of q factors on the record and m blocks: lane l is block l % m under the factor l // m."""
+    """The q m lanes of q scale factors on the record and m blocks: lane l is block l % m at scale factor l // m."""
 
-    factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
+    factors: np.ndarray  #: (q,) scale factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each block [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
     p: np.ndarray  #: (m,) frequency parameter [1/s]
@@ -171,7 +171,7 @@ def end_lane(f, i, j, status, record, equation):
 
 @njit(forceinline=True, _nrt=False)
 def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
-    """Write the results for one body and factor into the arrays `results`."""
+    """Write the results for one body and scale factor into the arrays `results`."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
     results.outcome[lane], results.reason[lane] = outcome, reason
     results.overturning_half_cycle[lane], results.impacts[lane] = half_cycle, impacts
@@ -205,7 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """Compute lanes (a body under a factor) first to last - 1; write results, `active` samples and the `history`."""
+    """Compute lanes (a body at a scale factor) first to last - 1; write results, `active` samples and `history`."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

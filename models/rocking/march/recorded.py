@@ -61,7 +61,7 @@ def recorded_response(
     equation : {"nonlinear", "linear"}
         The full equation, or its limit for slender blocks and small rotations (Eq. 1).
     scale : float or (q,) array_like
-        Factor on the record, horizontal and vertical, not negative [-].
+        Scale factor on the record, horizontal and vertical, not negative [-].
     vertical : (n,) array_like, optional
         Vertical ground acceleration a_v [m/s2], positive up, on the same samples; nonlinear equation only.
     initial_rotation, initial_velocity : float or (m,) array_like
@@ -72,7 +72,7 @@ def recorded_response(
         Linear equation only. "linear": uplift at g alpha_c (Eq. 1). "tangent": the record is multiplied by
         alpha_c/tan(alpha_c), so that uplift is at g tan(alpha_c) as in the nonlinear equation (docs/decisions/006).
     block_scale : float or (m,) array_like
-        Additional factor on the record for each block, times `scale`, not negative [-].
+        Additional scale factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
         start at rest is needed. The computation of a block then ends as soon as its outcome is certain, from a bound if

@@ -153,7 +153,7 @@ GROUP = 8
     ALPHA,
     RESTITUTION,
     P,
-    FACTOR,  # factor on the record over gravity
+    FACTOR,  # scale factor on the record over gravity
     LENGTH,  # p dt
     PER_SAMPLE,  # 1/(p dt)
     LONGEST,  # longest step

@@ -50,13 +50,13 @@ def critical_scale(
     block : Block
         One block, with results of shape (1,), or an array of m blocks.
     acceleration, dt, equation, vertical
-        As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
+        As for :func:`~rocking.recorded_response`; the scale factor multiplies both accelerations.
     level : float, optional
         Rotation theta_max/alpha_c to reach or exceed [-], positive; None for overturning.
     factor_max : float
         End of the search [-].
     points : int
-        Number of factors in the scan of each block, at least 2.
+        Number of scale factors in the scan of each block, at least 2.
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
 
@@ -72,8 +72,8 @@ def critical_scale(
 
     Notes
     -----
-    The scan of a block starts at the factor that lifts it: g alpha/max|a_g| (linear), or the smallest f with
-    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A factor with an
+    The scan of a block starts at the scale factor that lifts it: g alpha/max|a_g| (linear), or the smallest f with
+    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A scale factor with an
     UNRESOLVED outcome (free flight, endless impacts) counts as exceeding the limit.
 
     Examples
@@ -152,7 +152,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return scale factors f at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) without restraints."""
+    """Return the scale factors f at which a record lifts blocks; unrestrained: f abs(a_g) = (g + f a_v) tan(alpha)."""
     found = np.full(np.shape(block.p), np.inf)
     more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
@@ -238,8 +238,8 @@ def sequence_critical_scale(
     factor_max : float
         Largest scale factor that is considered [-].
     step : float
-        Largest ratio of neighbouring factors in a search, above 1; every spacing except "continuous" needs a search,
-        because the number of secondary impulses in a half-cycle is a result of the march.
+        Largest ratio of neighbouring scale factors in a search, above 1; every spacing except "continuous" needs a
+        search, because the number of secondary impulses in a half-cycle is a result of the march.
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
@@ -259,17 +259,17 @@ def sequence_critical_scale(
     -----
     Closed form (spacing "continuous", or no secondary impulses). u_(i+1) = C (u_i - sigma u_1) + u_1 is linear in
     u_1: v_i = u_i - sigma u_1/2 = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C). Half-cycle N overturns iff
-    v_N >= 1 > v_(N-1), a band of factors from I_Nc/I to below I_(N-1)c/I with
+    v_N >= 1 > v_(N-1), a band of scale factors from I_Nc/I to below I_(N-1)c/I with
 
         I_Nc = I_1c/[(1 - sigma) S_N + sigma/2],
 
     which is Eq. 9 for sigma = 0, if it is reached: N <= main_count, and its start, the sum over j < N of 2
     atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end, so a
     band ends where it reaches `duration`: above I_Nc the block may be safe again. At the lower edges the start grows
-    with N, so the smallest factor is that of the largest N that is reached.
+    with N, so the smallest scale factor is that of the largest N that is reached.
 
     Otherwise a scan with refined edges starts at the critical factor of the resonance sequence, as secondary impulses
-    only reduce the speed (u_r <= u). A factor with an UNRESOLVED outcome counts as overturning.
+    only reduce the speed (u_r <= u). A scale factor with an UNRESOLVED outcome counts as overturning.
 
     Examples
     --------

@@ -33,8 +33,8 @@ class ScaleIntervals(LaneValues):
     Attributes
     ----------
     safety_factor, safe_up_to : (m,) ndarray
-        Smallest factor found to exceed the limit [-], inf if no factor does; largest factor up to which no exceedance
-        was found: the lower end of the last bracket, or the end of the search.
+        Smallest scale factor found at which the limit is exceeded [-], inf if there is none; largest one up to which no
+        exceedance was found: the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Index of the block of each interval, ascending; the intervals of a block ascend, too.
     lower, upper : (k,) ndarray
@@ -43,7 +43,7 @@ class ScaleIntervals(LaneValues):
         `open` is True if the limit is still exceeded at the end of the search, which is then `upper`; `resolved` is
         False if the model gives no result at `lower`, which counts as exceeding the limit.
     step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. 1 if none can be
+        Ratio of neighbouring scale factors of the scan [-]: narrower intervals and gaps may be missed. 1 if none can be
         missed (closed form, or a start beyond the end of the search); NaN without a search.
 
     Examples
@@ -110,29 +110,30 @@ class ScaleIntervals(LaneValues):
 def exceedance_intervals(
     exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = 1e-6
 ) -> ScaleIntervals:
-    """Find the intervals of the factor in which each block exceeds a limit, by a log-spaced scan with refined edges.
+    """Find the scale factor intervals in which each block exceeds a limit, by a log-spaced scan with refined edges.
 
     Parameters
     ----------
     exceeds : callable
-        Takes block indices (n,), which may repeat, and factors (q, n), one column per index, and returns a (q, n)
+        Takes block indices (n,), which may repeat, and scale factors (q, n), one column per index, and returns a (q, n)
         array: bool, or the response divided by the limit, at least 1 if the limit is exceeded; NaN (no result) counts
-        as exceeding. It need not be monotonic in the factor.
+        as exceeding. It need not be monotonic in the scale factor.
     start : (m,) array_like
-        Factor > 0 below which no exceedance is possible [-]; the scan of a block starts here. A block whose start is
-        above `factor_max`, or inf, has no interval.
+        Scale factor > 0 below which no exceedance is possible [-]; the scan of a block starts here. A block whose start
+        is above `factor_max`, or inf, has no interval.
     factor_max : float
         End of the search [-].
     points : int or (m,) array_like of int
-        Number of factors of the scan of each block, both ends included; at least 2.
+        Number of scale factors of the scan of each block, both ends included; at least 2.
     tolerance : float
         Relative width of the final bracket of each edge, at least 1e-12.
 
     Notes
     -----
-    The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the factor one. Below the first
+    The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the scale factor 1. Below the first
     exceedance of a block, steps in which its response may come close to the limit are halved. A narrower interval
-    or gap is found only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
+    or gap is found only if a scale factor of the scan lies in it. Then all edges are refined by bisection at the
+    same time.
 
     Examples
     --------

@@ -264,7 +264,7 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion: a scale factor, at a demand divided by that to the demand.
+        """Return the margin of every body, block or motion: a scale factor, or its ratio to that of a demand.
 
         For margins of bodies, motions with all directions in `left_out` (records, bodies) are excluded.
         """

@@ -74,18 +74,18 @@ class Results(Shown):
         -------
         pandas.DataFrame
             One row for each body, or for each restitution of a body that has several. All columns refer to the records
-            scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "not
-            lifted", "rocks", "rocks, no margin", "may overturn", "not known", "slides first" or "overturns"; it is
-            empty without a demand or with fewer than five `earthquakes`. `probability` is the mean probability of
-            overturning over earthquakes [-], with its 90 % interval (`low`, `high`). `smallest` is the smallest scale
-            factor at P = 10 % over the records, or safety factor if there is no P; at a demand it is divided by the
-            scale factor to the demand. `governing` is the record with this factor, or empty. A motion is a record or a
-            pair of channels: `motions` is the number of motions on which the verdict is based, `overturned` the number
-            of these that overturn the nominal body, `left_out` the number of motions that cannot be scaled to the
-            demand, and `weak` the number of motions that lift no body.
-            `median_rotation` and `largest_rotation` are the median and largest rotation of the nominal body over
-            alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning. `sliding`
-            is the largest share of a motion that requires more friction than the body has [-], NaN if unknown.
+            scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "not lifted",
+            "rocks", "rocks, no margin", "may overturn", "not known", "slides first" or "overturns"; it is empty without
+            a demand or with fewer than five `earthquakes`. `probability` is the mean probability of overturning over
+            earthquakes [-], with its 90 % interval (`low`, `high`). `smallest` is the smallest scale factor at P = 10 %
+            over the records, or safety factor if there is no P; at a demand it is divided by the scale factor to the
+            demand. `governing` is the record with this scale factor, or empty. A motion is a record or a pair of
+            channels: `motions` is the number of motions on which the verdict is based, `overturned` the number of these
+            that overturn the nominal body, `left_out` the number of motions that cannot be scaled to the demand, and
+            `weak` the number of motions that lift no body. `median_rotation` and `largest_rotation` are the median and
+            largest rotation of the nominal body over alpha_c [-], inf if it overturns; `others_rotation` is the largest
+            rotation without overturning. `sliding` is the largest share of a motion that requires more friction than
+            the body has [-], NaN if unknown.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class Results(Shown):
         Parameters
         ----------
         demand : str, optional
-            Name of a demand of the configuration; by default the factor refers to the unscaled records.
+            Name of a demand of the configuration; by default the scale factor refers to the unscaled records.
 
         Returns
         -------

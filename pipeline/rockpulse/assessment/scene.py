@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks, each with the side to which it may fall under a record; a block with both sides has a mirror image."""
+    """Blocks, each with the side to which it may fall under a record; one that may fall to both has a mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored

@@ -82,7 +82,10 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1 and its index, -1 if NaN; of several inf, that with the smallest `first`."""
+    """Return the largest value over axis 1, and its index (-1 if it is NaN).
+
+    If several values are inf, the index is that of the value with the smallest `first`.
+    """
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)

@@ -174,7 +174,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """Return the verdict for P (an upper bound: at most MAY_OVERTURN); NOT_KNOWN if missing results could change it."""
+    """Return the verdict for P, at most MAY_OVERTURN if P is an upper bound; NOT_KNOWN if missing results may change it."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
@@ -305,7 +305,7 @@ def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
 
 
 def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
-    """Return the index of the record with the smallest scale factor, or else of the most severe one; -1 if unknown."""
+    """Return the index of the record with the smallest finite scale factor, else with the largest severity, else -1."""
     if np.isfinite(factor).any():
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
     known = np.nan_to_num(severity, nan=0.0, posinf=np.inf)

@@ -84,8 +84,8 @@ def plan_motions(
     """Return the channels and pairs to be assessed according to section [records], and failures of other channels.
 
     A channel without a pair is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a
-    value of an intensity measure, the other channel of its pair is kept with each single channel, as both are scaled
-    by the same factor. `twins` are the rejected duplicates, with which accepted records are compared.
+    value of an intensity measure, the other channel of its pair is kept with each single channel, as both
+    have the same scale factor. `twins` are the rejected duplicates, with which accepted records are compared.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":

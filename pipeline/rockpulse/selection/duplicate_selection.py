@@ -43,11 +43,12 @@ def without_duplicates(
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
     """Return one record of each ground motion, a failure for each duplicate, and the duplicates to be compared.
 
-    Recordings are preferred in this order: at the surface; confirmed; all horizontal channels usable; with a pair or a
-    vertical channel, if these are requested; processed; higher sampling rate; longer; first by path. A dead channel, or
-    a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records] keep`` are
-    assessed in addition to the chosen record. The reason of each failure ends with `advice`. A duplicate is to be
-    compared with the accepted record (:class:`Twin`) if both have the same direction.
+    Recordings are compared by these criteria, in this order: a recording is preferred if it is at the surface; if the
+    user has confirmed it; if all its horizontal channels are usable; if it has a pair or a vertical channel, if these
+    are requested; if it is processed; if its sampling rate is higher; if it is longer; if its path comes first. A dead
+    channel, or a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records]
+    keep`` are assessed in addition to the chosen record. The reason of each failure ends with `advice`. A duplicate is
+    to be compared with the accepted record (:class:`Twin`) if both have the same direction.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)

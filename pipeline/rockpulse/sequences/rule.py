@@ -1,6 +1,6 @@
 """The rule that predicts overturning under a record from an impulse sequence, derived from the record's half-waves.
 
-The demand D is a fitted factor times the demand of a march through the half-waves
+The demand D is a fitted coefficient times the demand of a march through the half-waves
 (:func:`rockpulse.models.demand_of_half_waves`), but at most PGA/(g tan alpha). The sequence overturns a block if D >=
 1; otherwise the largest rotation ratio is 1 - sqrt(1 - D^2). The safety factor is 1/D.
 """
@@ -53,7 +53,7 @@ class Rule:
     point : str
         Name of the variant, "balanced" or "conservative".
     factor : float
-        Factor on the demand of a march through the half-waves [-], positive.
+        Coefficient by which the demand of a march through the half-waves is multiplied [-], positive.
     within : dict of str to (float, float)
         Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C divided by Housner's value [-]) of the
         bodies on which the rule was fitted; a quantity without a range is unlimited.

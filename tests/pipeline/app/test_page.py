@@ -61,7 +61,7 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
         window.says("records", "archivio zip danneggiato")
         window.type("bodies", "larghezza [m]", "largo", 0)
-        window.says("bodies", "occorre un numero positivo di metri, è indicato 'largo'")
+        window.says("bodies", "occorre un numero positivo di metri; è indicato 'largo'")
         window.says("results", "larghezza: occorre un numero positivo di metri")
         window.type("bodies", "larghezza [m]", "0,3", 0)
         window.says("bodies", "PGA di sollevamento 0,125 g")

@@ -248,7 +248,7 @@ def _columns(
 def _behind(name: str, line: int, behind: Sequence[str], layout: kit.Layout, complete: bool) -> tuple[str, ...]:
     """Return a warning about lines after the numbers; raise an error if they may contain more samples.
 
-    If `complete` is true, the numbers before them are as many as the header states, and no error is raised.
+    If `complete` is true, the count of the numbers equals that of the header, and no error is raised.
     """
     rows = [kit.row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):

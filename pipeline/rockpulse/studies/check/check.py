@@ -1,6 +1,6 @@
-"""The code checks of the bodies of a configuration, and of their rotations under the records of results.
+"""Code checks of the bodies of a configuration, and of the largest rotations in results.
 
-.. note:: Circolare 7/2019, C8.7.1.2.1.9, on nonlinear dynamic analyses: none exceeds d_0, and the mean of the
+.. note:: Circolare 7/2019, C8.7.1.2.1.9 (nonlinear dynamic analysis): no displacement exceeds d_0, and the mean of the
    largest displacements does not exceed d_SLV or d_SLC of C8.7.1.2.1.6. NTC 2018, 7.3.5, and EN 1998-1, 4.3.3.4.3: the
    mean is used with seven records or more, and the most unfavourable value with three to six; fewer are not sufficient
    (EN 1998-1, 3.2.3.1.2). The rotation |theta|/alpha_c is converted to the displacement d = (|theta|/alpha_c)
@@ -45,7 +45,7 @@ class Rotations(NamedTuple):
 
 
 def rotations_of(peaks: np.ndarray) -> Rotations:
-    """Return the rotations to compare with the limits; `peaks` (n,) are the records' largest rotations over alpha_c.
+    """Return the rotations to compare with the limits; `peaks` (n,) are the largest ones over alpha_c by record.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def rotations_of(peaks: np.ndarray) -> Rotations:
 
 
 def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
-    """Return the rotations of each body at a demand, for the restitution with the largest ones if it has several."""
+    """Return the rotations of each body at a demand; of its restitutions, that with the largest ones is used."""
     motions, far = answers.motions, too_far(answers, demand)
     kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
     fallen, rotation = nominal_motion(answers, demand)

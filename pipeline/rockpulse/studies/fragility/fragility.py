@@ -219,7 +219,7 @@ def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
-    """Return the ratios of dispersions with lower and upper limits, as one array (3, groups, states, measures)."""
+    """Return each dispersion over that of the reference measure, with limits, as (3, groups, states, measures)."""
     table = np.full((3, *fits.curves.shape), np.nan)
     if REFERENCE in measures:
         column = list(measures).index(REFERENCE)

@@ -21,7 +21,7 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observed capacities in one intensity measure, sorted by level; each equals its level, is above it, or is not."""
+    """Observed capacities in one intensity measure, sorted by level; each is exact, above its level or not above it."""
 
     level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
@@ -144,7 +144,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return each row's log-likelihood, and its first two derivatives in z without the term log b; each (q, n).
+    """Return the log-likelihood of each row, and its first two derivatives in z without the term log b, as (q, n).
 
     `design` (n, k) has the columns 1, ln x and any covariates; z = design @ theta. `theta` (q, k) are the parameters
     (a, b, ...) of q data sets; b must be positive if a row is EXACT.

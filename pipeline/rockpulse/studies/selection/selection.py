@@ -3,7 +3,7 @@
 .. note:: Each spectrum is scaled so that its ratio to the target, averaged over the periods, is 1; all members are then
    about as strong as the target. Sets are built by greedy choice from several starts and improved by exchange of single
    members, so that the spread of their mean ratio to the target, its largest value over the periods divided by the
-   smallest, is as small as possible. Finally one common factor on all scale factors centres the deviations.
+   smallest, is as small as possible. Finally, multiplying all scale factors by one number centres the deviations.
 """
 
 import os
@@ -79,13 +79,14 @@ def select(
     Raises
     ------
     ConfigError
-        Without a target spectrum, for a target that does not cover the periods, or for fewer usable records of
-        different earthquakes than requested.
+        Without a target spectrum, for a target that does not cover the periods, or if fewer records of different
+        earthquakes can be used than are requested.
 
     Notes
     -----
-    The scale factor of a record makes the mean over the periods of its spectrum divided by the target equal to 1; a
-    common factor then centres the deviations of the mean. Sets are searched by greedy choice and exchange.
+    The scale factor of a record makes the mean over the periods of its spectrum divided by the target equal to 1. Then
+    all scale factors are multiplied by one number, which centres the deviations of the mean. Sets are searched by
+    greedy choice and exchange.
 
     Examples
     --------
@@ -249,9 +250,9 @@ def fitting_set(
 ) -> SpectrumSet:
     """Return the set of `count` spectra whose mean is nearest to the target, from (m, k) `ratios` of spectra to it.
 
-    At least `count` spectra, at most `per_event` of each earthquake, must have a scale factor within the bounds. The
-    common factor on all scale factors centres the deviations from the target, unless only another common factor keeps
-    them within the `tolerance` below and above it.
+    At least `count` spectra, at most `per_event` of each earthquake, must have a scale factor within the bounds. All
+    scale factors are multiplied by a number that centres the deviations from the target, unless only another number
+    keeps them within the `tolerance` below and above it.
     """
     own = own_factors(ratios, bounds)
     usable = np.flatnonzero(np.isfinite(own))

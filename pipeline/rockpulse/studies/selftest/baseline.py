@@ -1,8 +1,9 @@
 """A conventional solver, used to compare errors and run times: scipy's ``solve_ivp``, restarted after each impact.
 
-It is tuned for speed: from rest, the solver skips to the next sample that lifts the block; a run ends when the block
-overturns; the first step of a very short free motion is as long as the motion; and the peak after the end of the
-record is computed from the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
+It is tuned for speed: while the block is at rest, the solver skips to the next sample that lifts the block; a run ends
+when the block overturns; the first step of a very short free motion is as long as the motion; and the peak after the
+end of the record is computed from the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the
+record.
 """
 
 import math

@@ -66,7 +66,7 @@ def calibrate(
         For two records with the same id, tables of events or weights that do not match the records, or ``[sequence]
         main_count = "none"``.
     RecordRefused
-        If no record could be calibrated, or none has the three half-waves of a sequence.
+        If no record could be calibrated, or no record has the three half-waves that a sequence needs.
 
     Examples
     --------

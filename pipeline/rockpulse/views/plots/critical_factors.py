@@ -1,4 +1,4 @@
-"""Pictures of the scale factors at which bodies overturn: all intervals, or the smallest factor of every record."""
+"""Pictures of the scale factors at which bodies overturn: all intervals, or the smallest of each record."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -42,7 +42,7 @@ def overturning_map(
     """Draw the intervals of scale factors in which bodies overturn, and those between them in which they survive.
 
     If intervals of overturning were not searched, the scale factors at P = 10 % and P = 50 % are drawn. Rows without a
-    factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale
+    scale factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale
     factor of each demand.
 
     Parameters
@@ -57,7 +57,7 @@ def overturning_map(
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure with a height that fits its rows.
     most : int
-        Largest number of rows; the smallest factors are shown.
+        Largest number of rows; the rows with the smallest scale factors are shown.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def critical_scale(
     """Draw, for every record, the smallest scale factor at which a body overturns in each model.
 
     If no search was made with the nonlinear model, its scale factor at P = 10 % is drawn. Every record has a
-    row; rows are sorted by the most complete model, with the smallest factor on top.
+    row; rows are sorted by the most complete model, with the smallest scale factor on top.
 
     Parameters
     ----------

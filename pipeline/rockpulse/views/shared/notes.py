@@ -79,7 +79,7 @@ def missed_step(answers: Answers) -> float:
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
     """Return all notes below a table with the results of every model; `marks` are the marks that the table contains."""
     notes = [
-        "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
+        "Model columns: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
         "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
         "that overturns the body.",
         *([say("note.beyond_critical")] if beyond_critical(answers) else []),

@@ -53,7 +53,7 @@ class _Points:
 
 
 def worst_cases(answers: Answers, selection: RowSelection) -> str:
-    """List the selected results by capacity/demand; without a demand by scale factor, else by rotation."""
+    """List the selected results, sorted by capacity/demand or, without a demand, by scale factor, else by rotation."""
     summary, sort = answers.summary, answers.factor
     if not answers.has_factor:
         return case_list(summary, replace(selection, sort="peak_rotation_ratio", descending=True))
@@ -92,7 +92,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
     beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rotations)
     marks = col.marks_of(cell for row in table for cell in row)
     notes = [
-        "Figures below the model: largest rotation over the critical angle (theta_max/alpha_c). Uplift ratio: PGA "
+        "Model column: largest rotation over the critical angle (theta_max/alpha_c). Uplift ratio: PGA "
         "over the PGA that lifts the body. I/I_1c: main impulse over the single impulse that overturns the body.",
         *(_MEANING[factor] for factor in factors),
         *([_OF_DEMAND] if CAPACITY in summary else []),
