@@ -108,7 +108,7 @@ class KernelCache(NullCache):
                 raise ValueError("damaged")
             stored, parts = pickle.loads(content[CHECKSUM:])
             if stored != key:
-                raise ValueError("for another kernel")
+                raise ValueError("those of another kernel")
             return CompileResult._rebuild(target_context, *parts)
         except FileNotFoundError:
             _announce()

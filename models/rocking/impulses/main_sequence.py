@@ -168,7 +168,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Return lower and upper scale factors (2, k) of the ranges in which a block overturns; `end` is a time times p."""
+    """Return lower and upper scale factors (2, k) of ranges in which a block overturns; `end` is multiplied by p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))

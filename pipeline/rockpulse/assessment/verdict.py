@@ -174,7 +174,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """Return the verdict for P, at most MAY_OVERTURN if P is an upper bound; NOT_KNOWN if missing results may change it."""
+    """Return the verdict for P, at most MAY_OVERTURN if P is an upper bound; NOT_KNOWN if missing results matter."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS

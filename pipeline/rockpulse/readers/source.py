@@ -196,7 +196,7 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     name = str(path)
     check_link(path)
     if path.is_dir():
-        advice = "read it with rockpulse.readers.folders.read_all, or name a file in it"
+        advice = "read it with rockpulse.read_all, or name a file in it"
         raise IsADirectoryError(f"{name}: a folder; {advice}")
     check_regular(path, RecordRefused)
     with path.open("rb") as stream:

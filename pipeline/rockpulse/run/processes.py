@@ -200,7 +200,7 @@ class WorkerProcesses(ThreadPoolExecutor):
                     'workers needs the line  if __name__ == "__main__":  before the code that it runs'
                 )
         raise ChildProcessError(
-            f"a worker process {_fate(code)} while it started, {STARTS} times; is there enough memory?"
+            f"a worker process {_fate(code)} during its start, {STARTS} times; is there enough memory?"
         )
 
     def _end(self, process: SpawnProcess, pipe: Connection) -> int:

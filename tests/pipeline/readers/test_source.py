@@ -125,7 +125,7 @@ def test_what_is_no_binary_file_is_the_caller_s_mistake(tmp_path):
         read(stream)
     with pytest.raises(TypeError, match="expected a path or an open binary file, found bytes"):
         read(ONE)
-    with pytest.raises(IsADirectoryError, match=r"a folder; read it with rockpulse.readers.folders.read_all"):
+    with pytest.raises(IsADirectoryError, match=r"a folder; read it with rockpulse.read_all"):
         read(tmp_path)
 
 

@@ -244,7 +244,7 @@ def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, t
     ("start", "message"),
     [
         pytest.param(toys.stop_the_interpreter, r"exit code 1 while it started.*__main__", marks=pytest.mark.sweep),
-        (toys.always_killed, r"killed by signal 9 \(Killed\) while it started, 2 times; .*memory"),
+        (toys.always_killed, r"killed by signal 9 \(Killed\) during its start, 2 times; .*memory"),
     ],
 )
 def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch, start, message):

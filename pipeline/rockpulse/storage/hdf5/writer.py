@@ -96,7 +96,7 @@ class TreeWriter:
         shape, begin = self._shapes[path], self._written[path]
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
             raise ValueError(
-                f"{path}: expected values for the shape {shape} from index {begin} on, found the shape {values.shape}"
+                f"{path}: expected values that fit {shape} from index {begin} on, found the shape {values.shape}"
             )
         if values.dtype.kind in "UO":
             values = np.array([in_utf8(str(text)) for text in values.ravel().tolist()], object).reshape(values.shape)
