@@ -7,10 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import field, fields
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
+Item, Found = TypeVar("Item"), TypeVar("Found")
 #: Number of slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
 SLICES_PER_THREAD = 8
 #: The limits in force: a list, because `with` blocks of several threads may overlap and end in any order.
@@ -115,9 +116,7 @@ def thread_limit(threads: int) -> Iterator[None]:
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
     """Run ``kernel_call(first, last)`` in threads on slices of the lanes, each of at least `smallest` lanes."""
-    if threads is None:
-        threads = min([available_cores(), *_limits])
-    threads = _checked(threads, "a whole number of at least 1, or None for all cores")
+    threads = _allowed(threads)
     slices = min(threads * SLICES_PER_THREAD, lanes // smallest)
     if threads == 1 or slices < 2:
         kernel_call(0, lanes)
@@ -126,6 +125,23 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
     with ThreadPoolExecutor(threads) as pool:
         for running in [pool.submit(kernel_call, *ends) for ends in pairwise(edges)]:
             running.result()
+
+
+def spread(call: Callable[[Item, int], Found], items: Sequence[Item], threads: int | None) -> Iterator[Found]:
+    """Yield ``call(item, inner)`` for each item in order, computed in threads; `inner` is the threads of each call."""
+    threads = _allowed(threads)
+    if threads == 1 or len(items) < threads:
+        yield from (call(item, threads) for item in items)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        yield from pool.map(lambda item: call(item, 1), items)
+
+
+def _allowed(threads: int | None) -> int:
+    """Return the number of threads to use: as given, or all cores within the limits for None."""
+    if threads is None:
+        threads = min([available_cores(), *_limits])
+    return _checked(threads, "a whole number of at least 1, or None for all cores")
 
 
 def _checked(threads: int, expected: str) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, positive
 from rocking.body.block import Block
+from rocking.lanes import spread
 from rocking.march.recorded import recorded_response
 from rocking.pictures import short_repr
 from rocking.search.capacity import uplift_scale
@@ -83,7 +84,8 @@ def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarra
     first, last = _ends(lanes, reach)
     logs = LEVEL_STEP * np.arange(first, last + 1)
     bells, tails = lanes.sums(logs, shift)
-    return logs, lane_probability(lane_sums(counts * lanes.over, bells), lane_sums(counts, bells), *tails)
+    over, rest = (lane_sums(counts[:, own], bells[own]) for own in (lanes.over, ~lanes.over))
+    return logs, lane_probability(over, over + rest, *tails)
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
@@ -98,8 +100,8 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
 @cache
 def _counts(size: int) -> np.ndarray:
     """Return how often each sample is counted: once in the first row, at random in the RESAMPLES other rows."""
-    drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
-    return np.vstack([np.ones(size), drawn])
+    drawn = np.random.default_rng(size).integers(size, size=(RESAMPLES, size))
+    return np.array([np.ones(size), *(np.bincount(row, minlength=size) for row in drawn)])
 
 
 def _interval(name: str, values: np.ndarray) -> dict[str, float]:
@@ -256,17 +258,16 @@ def overturning_probability(
             lanes[place] = marched_lanes
     # The lanes of the nonlinear equation have random angles already.
     alone = Uncertainty(factor=uncertainty.factor, geometry=0.0)
-    rows = [
-        lane_factors(own, uncertainty if limit_lanes else alone, reach, limit)
-        for own, limit_lanes in zip(lanes, slender.tolist(), strict=True)
-    ]
+    shifts = [uncertainty if limit_lanes else alone for limit_lanes in slender.tolist()]
+    places = range(nominal.size)
+    rows = list(spread(lambda place, _: lane_factors(lanes[place], shifts[place], reach, limit), places, threads))
     highest = min(max((one.top + reach for one in lanes if one is not None), default=0.0), log_max)
     first = math.floor(min(float(np.min(bottom)) - reach, 0.0) / LEVEL_STEP)
-    places = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
+    levels = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
     return OverturningProbability(
         **{one.name: np.array([row.found[one.name] for row in rows]) for one in fields(OverturningFactors)},
-        level=np.exp(LEVEL_STEP * places),
-        probability=np.array([row.at(places) for row in rows]),
+        level=np.exp(LEVEL_STEP * levels),
+        probability=np.array([row.at(levels) for row in rows]),
         slender=slender,
         unresolved=np.array([0.0 if one is None else float(np.mean(one.unresolved)) for one in lanes]),
     )

@@ -14,12 +14,14 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import STANDARD_GRAVITY, Block
+from rocking.kernel_cache import njit
+from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH
 from rocking.spectrum.body_probability import lane_capacity
 from rocking.spectrum.overturning import OverturningSpectrum, covered, shared_rates
-from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
-from rocking.spectrum.slender_ground import lobe_tops, weighted_impulse
+from rocking.spectrum.probability import Uncertainty
+from rocking.spectrum.slender_ground import weighted_lobes
 from rocking.spectrum.slender_lanes import (
     FIRST,
     LEAST_RESTITUTION,
@@ -30,8 +32,8 @@ from rocking.spectrum.slender_lanes import (
     piece_lanes,
 )
 
-#: Number of points on each side of a triangle at which E is computed, and of sides that are computed at once.
-POINTS, AT_ONCE = 8, 2**15
+#: Number of points on each side of a triangle at which E is computed.
+POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
 #: Number of lanes in the second stage of a single block, and at each p of a spectrum that many blocks share;
@@ -58,7 +60,7 @@ def half_wave_lanes(
     end: ArrayLike,
     impulse: ArrayLike,
     p: ArrayLike = RATES,
-    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     threads: int | None = None,
     *,
     rotations: bool = True,
@@ -139,21 +141,10 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
     >>> lobes.sizes.round(2).tolist()  # 0.3 - 0.2/e, and the second one alone
     [0.23, -0.2]
     """
-    corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
-    share, last = np.arange(POINTS) / POINTS, 0.0
-    found = [np.empty((2, 0))]
-    for first in reversed(range(0, corners.size - 1, AT_ONCE)):  # backwards, as E depends on the later ground motion
-        times, ground = (
-            np.append(values[:-1, np.newaxis] + np.outer(np.diff(values), share), values[-1])
-            for values in (corners[first : first + AT_ONCE + 1], tops[first : first + AT_ONCE + 1])
-        )
-        weighted = weighted_impulse(times, ground, float(rate), last)
-        last = weighted[0]
-        places = lobe_tops(weighted[:-1])
-        found.append(np.stack([times[places], weighted[places]]))
-    times, sizes = np.concatenate(found[::-1], axis=1)
-    whole = lobe_tops(sizes)  # a lobe may extend over several parts
-    return Lobes(times[whole], sizes[whole])
+    corners, ground = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
+    times, sizes = np.empty((2, corners.size // 3 + 1))
+    count = weighted_lobes(corners, ground, float(rate), POINTS, times, sizes)
+    return Lobes(times[:count][::-1].copy(), sizes[:count][::-1].copy())
 
 
 def demand_of_half_waves(
@@ -192,14 +183,19 @@ def demand_of_half_waves(
     block = block.lanes()
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
     nodes, of_body = np.unique(np.asarray(block.p), return_inverse=True)
-    count, ratio, interval = (column[of_body] for column in lobe_shapes(first, centre, last, impulses, nodes))
+    count, ratio, interval = (column[of_body] for column in lobe_shapes(first, centre, last, impulses, nodes, threads))
     waves = first, centre, last, impulses
     mean, at_10 = _spectra(waves, block, threads) if np.any(impulses) else np.zeros((2, over.size))
     return HalfWaveDemand(march=over * mean, march_10=over * at_10, main_count=count, ratio=ratio, interval=interval)
 
 
 def lobe_shapes(
-    start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
+    start: ArrayLike,
+    centroid: ArrayLike,
+    end: ArrayLike,
+    impulse: ArrayLike,
+    rates: ArrayLike,
+    threads: int | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Compute the number of main lobes of E, the ratio of the other lobes and the spacing of the lobes for each p.
 
@@ -207,6 +203,8 @@ def lobe_shapes(
     ----------
     start, centroid, end, impulse, rates : (k,) array_like and (a,) array_like
         Half-waves, as for :func:`demand_of_half_waves`, and frequency parameters p [1/s].
+    threads : int, optional
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -219,22 +217,44 @@ def lobe_shapes(
     >>> count.tolist(), ratio.tolist()
     ([1, 2], [0.0, 0.0])
     """
-    waves = checked_half_waves(start, centroid, end, impulse)
-    shapes = [_main_lobes(impulse_lobes(*waves, rate)) for rate in np.atleast_1d(rates)]
-    count, ratio, interval = (np.array(column) for column in zip(*shapes, strict=True))
+    corners, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
+    nodes = np.atleast_1d(np.asarray(rates, dtype=float))
+    count, ratio, interval = np.zeros(nodes.size, dtype=np.int64), np.zeros(nodes.size), np.zeros(nodes.size)
+
+    def some(first: int, last: int) -> None:
+        own = slice(first, last)
+        _find_shapes(corners, ground, nodes[own], count[own], ratio[own], interval[own])
+
+    split_lanes(some, nodes.size, threads, smallest=1)
     return count, ratio, interval
 
 
-def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
+@njit()
+def _find_shapes(corners, ground, rates, count, ratio, interval):
+    times, sizes = np.empty(corners.size // 3 + 1), np.empty(corners.size // 3 + 1)
+    for i in range(rates.size):
+        lobes = weighted_lobes(corners, ground, rates[i], POINTS, times, sizes)
+        count[i], ratio[i], interval[i] = main_lobes(times[:lobes], sizes[:lobes])
+
+
+@njit()
+def main_lobes(times, sizes):
     """Return the number of main lobes, the rms of the other ones divided by the largest, and the median spacing."""
-    sizes = np.abs(lobes.sizes)
-    main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
-    if main.size < 2:
+    largest, count, first, last = 0.0, 0, 0, 0
+    for k in range(sizes.size):
+        largest = max(largest, abs(sizes[k]))
+    for k in range(sizes.size):
+        if abs(sizes[k]) > MAIN_SHARE * largest:
+            first = k if count == 0 else first
+            last, count = k, count + 1
+    if count < 2:
         return 1, 0.0, np.nan
-    within = slice(main[0], main[-1] + 1)
-    others = sizes[within][sizes[within] <= MAIN_SHARE * np.max(sizes)]
-    ratio = float(np.sqrt(np.mean(others**2)) / np.max(sizes)) if others.size else 0.0
-    return main.size, ratio, float(np.median(np.diff(lobes.times[within])))
+    squares, others = 0.0, 0
+    for k in range(first, last):
+        if abs(sizes[k]) <= MAIN_SHARE * largest:
+            squares, others = squares + sizes[k] ** 2, others + 1
+    ratio = math.sqrt(squares / others) / largest if others else 0.0
+    return count, ratio, np.median(np.abs(times[first + 1 : last + 1] - times[first:last]))
 
 
 def _spectra(
@@ -260,5 +280,6 @@ def _spectra(
     others = np.flatnonzero(rest)
     lanes = body_piece_lanes(times, ground, slender.take(others), uncertainty, threads, second=SECOND)
     if others.size:
-        capacity[:, others] = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
+        found = spread(lambda one, _: lane_capacity(one, uncertainty, reach), lanes, threads)
+        capacity[:, others] = np.array(list(found)).T
     return largest * SPEED / capacity

@@ -29,7 +29,7 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
-from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
+from rocking.spectrum.slender_lanes import BEYOND, LEAST_RESTITUTION, RATES, SpectrumLanes
 
 #: Levels of x are exp(LEVEL_STEP k) with integer k, the same numbers for all records.
 LEVEL_STEP = 0.05
@@ -46,8 +46,8 @@ LEAST_SHARE = 0.09
 LEAST_SLENDERNESS = 3.5
 #: A spectrum that many bodies share (docs/decisions/018): its frequency parameters [1/s], smallest number of bodies,
 #: and the model error as a standard deviation of ln f [-].
-SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 94)
-FEWEST_SHARING, SHARED_INTERPOLATION = 128, 0.005
+SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 71)
+FEWEST_SHARING, SHARED_INTERPOLATION = 64, 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +253,7 @@ class OverturningSpectrum:
     def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Return one or two parts of the random C: share (r, 1), and range of C (r,) of the samples that represent it.
 
-        Restitutions above 1 count as 1, which is represented by the narrowest range below 1.
+        Restitutions above 1 count as 1, which the samples up to BEYOND represent.
         """
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
         lowest, highest = self.lanes.between
@@ -265,9 +265,9 @@ class OverturningSpectrum:
             )
         least, most = (share * nominal for share in self.uncertainty.restitution)
         over = np.clip((most - 1.0) / (most - least), 0.0, 1.0)[:, np.newaxis]
-        narrowest = np.full(nominal.shape, 1.0 - LEAST_SHARE * (highest - lowest))
         inside = 1.0 - over, least, np.minimum(most, 1.0)
-        return [inside, (over, narrowest, np.ones(nominal.shape))] if np.any(over) else [inside]
+        one = np.ones(nominal.shape)
+        return [inside, (over, one, BEYOND * one)] if np.any(over) else [inside]
 
     def _between(self, p: np.ndarray, restitution: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""

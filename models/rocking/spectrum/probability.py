@@ -255,20 +255,27 @@ def _add_moments(log_factor, weight, reached, ends, log_level, scale, shape, run
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
     """Return the matrix product (r, k) of `counted` (r, n) and `bells` (n, k), identical for any number of threads."""
-    sums = np.zeros((counted.shape[0], bells.shape[1]))
-    _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
+    sums, within = np.zeros((counted.shape[0], bells.shape[1])), np.zeros((bells.shape[0], 2), dtype=np.uint64)
+    _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), within, sums)
     return sums
 
 
 @njit(_nrt=False)
-def _add(counted, bells, sums):
+def _add(counted, bells, within, sums):
+    # `within` are the levels between which the bell of a lane is not zero: a third of them.
+    for lane in range(bells.shape[0]):
+        for level in range(bells.shape[1]):
+            if bells[lane, level] != 0.0:
+                if within[lane, 1] == 0:
+                    within[lane, 0] = level
+                within[lane, 1] = level + 1
     # A few rows at once, because the bells of all lanes do not fit into the fast memory.
     for first in range(0, counted.shape[0], 8):
         for lane in range(counted.shape[1]):
             for row in range(first, min(first + 8, counted.shape[0])):
                 times = counted[row, lane]
                 if times != 0.0:
-                    for level in range(bells.shape[1]):
+                    for level in range(within[lane, 0], within[lane, 1]):
                         sums[row, level] += times * bells[lane, level]
 
 

@@ -38,6 +38,7 @@ from rocking.spectrum.slender_ground import (
     START,
     STRONGEST,
     UP,
+    lifting,
 )
 from rocking.spectrum.slender_piece import first_impact, halley_step, hyperbolic, motion_at
 
@@ -106,12 +107,6 @@ def _raise_peak(s, i, u, v, push, rate, left):
     s[PEAK + i] = max(s[PEAK + i], u, motion_at(tau, u, v, bend, twist)[0])
 
 
-@njit(inline="always", _nrt=False)
-def _pushes(ground, wall):
-    """Return abs(ground), or zero if it pushes towards the wall and thus cannot lift a resting block."""
-    return max(-ground, 0.0) if wall else abs(ground)
-
-
 @njit(_nrt=False)
 def _end_of_piece(s, i):
     u, v = s[U + i], s[V + i]
@@ -122,7 +117,7 @@ def _end_of_piece(s, i):
 def _lift(s, i, k, count, points, blocks, wall):
     """Find the point at which block i, at rest in piece `k`, is lifted; return the piece of this point, or FINAL."""
     strength, now, rate, left = s[STRENGTH + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
-    if _pushes(now, wall) <= 1.0:
+    if lifting(now, wall) <= 1.0:
         node = k + 1
         while node <= count and strength * points[node, LIFTING] <= 1.0:
             node += 1
@@ -134,7 +129,7 @@ def _lift(s, i, k, count, points, blocks, wall):
             k = node - 1
             now, rate, left = strength * points[k, START], strength * points[k, SLOPE], points[k, LENGTH]
         end = now + rate * left
-        if _pushes(end, wall) > 1.0:
+        if lifting(end, wall) > 1.0:
             wait = min(max((math.copysign(1.0, end) - now) / rate, 0.0), left)
             now, left = math.copysign(1.0, end), left - wait
         elif node < count:  # a jump at the node
@@ -282,7 +277,7 @@ def _impact(s, i, k, points, wall, peaks):
     push, left, v = turn * (push + rate * tau), left - tau, s[AFTER + i]
     s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
     s[SIDE + i] *= turn
-    margin = 1.0 - max(_pushes(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
+    margin = 1.0 - max(lifting(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
     # It rests if its half-cycles end in this piece: the first lasts at most 2 u'/margin, each C times the one before.
     if v <= SLOWEST or 2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left:
         s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate

@@ -9,7 +9,7 @@
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,35 +41,67 @@ class Tables(NamedTuple):
     blocks: np.ndarray  #: (b, 6)
 
 
+@njit(inline="always", _nrt=False)
+def lifting(ground, wall):
+    """Return abs(ground), or zero if it pushes towards the wall and thus cannot lift a resting block."""
+    return max(-ground, 0.0) if wall else abs(ground)
+
+
 @njit(_nrt=False)
-def _impulses(length, start, slope, past, future):
-    """Fill `past` with H and `future` with G at the nodes; H of the first node and G of the last one are given."""
-    count = length.shape[0]
-    for k in range(count):
-        even, odd = hyperbolic(length[k])
-        decay = 1.0 - length[k] + even - odd
-        past[k + 1] = past[k] * decay + start[k] * (1.0 - decay) + slope[k] * (even - odd)
+def _fill_points(length, start, slope, past, future, points, rows):
+    """Fill `points` up to DOWN, and `rows`; `past` is H at the first node, `future` G at the last one."""
+    count, grown = length.shape[0], 1.0
+    points[count, RESPONSE] = future
     for k in range(count - 1, -1, -1):
         even, odd = hyperbolic(length[k])
         decay = 1.0 - length[k] + even - odd
         ramp = length[k] * (length[k] - even + odd) - even + odd
-        future[k] = future[k + 1] * decay + start[k] * (1.0 - decay) + slope[k] * ramp
+        future = future * decay + start[k] * (1.0 - decay) + slope[k] * ramp
+        points[k, RESPONSE] = future
+    for k in range(points.shape[0]):
+        future = points[k, RESPONSE]
+        points[k, RESPONSE], points[k, SPEED] = 0.5 * (future + past), 0.5 * (future - past)
+        grown = 1.0 if k % BLOCK == 0 else grown
+        points[k, UP], points[k, DOWN] = grown, 1.0 / grown
+        rows[0, k], rows[1, k], rows[2, k] = points[k, RESPONSE], points[k, UP], points[k, DOWN]
+        past_of_next = 0.0
+        if k < count:
+            points[k, LENGTH], points[k, START], points[k, SLOPE] = length[k], start[k], slope[k]
+            even, odd = hyperbolic(length[k])
+            decay = 1.0 - length[k] + even - odd
+            past_of_next = past * decay + start[k] * (1.0 - decay) + slope[k] * (even - odd)
+            grown *= 1.0 + length[k] + even + odd
+        past = past_of_next
 
 
 @njit(_nrt=False)
-def _exponentials(length, up, down, growth):
-    """Fill `up`, `down` with e^tau, e^-tau from the start of each group of nodes, `growth` with e^tau at its end."""
-    grown = 1.0
-    for k in range(up.shape[0]):
+def _fill_blocks(ends, wall, left, points, blocks):
+    """Fill LIFTING of `points`, and `blocks`, from a_g at the `ends` of pieces; `left` (2,) bounds later -G and G."""
+    count, push, longest, strongest, largest = ends.shape[0], 0.0, 0.0, 0.0, 0.0
+    for k in range(points.shape[0]):
+        block, before, even, odd = k // BLOCK, push, 0.0, 0.0
+        push = 0.0
+        if k < count:
+            push = lifting(points[k, START], wall)
+            longest, strongest = max(longest, points[k, LENGTH]), max(strongest, abs(points[k, START]), abs(ends[k]))
+            even, odd = hyperbolic(points[k, LENGTH])
+        if 0 < k <= count:
+            push = max(push, lifting(ends[k - 1], wall))
+        points[k, LIFTING] = push
+        after = points[k, RESPONSE] + points[k, SPEED]
+        largest = max(largest, abs(after))
         if k % BLOCK == 0:
-            if k > 0:
-                growth[k // BLOCK - 1] = grown
-            grown = 1.0
-        up[k], down[k] = grown, 1.0 / grown
-        if k < length.shape[0]:
-            even, odd = hyperbolic(length[k])
-            grown *= 1.0 + length[k] + even + odd
-    growth[-1] = grown
+            blocks[block, HIGHEST], blocks[block, AHEAD], blocks[block, AHEAD + 1] = before, -after, after
+        blocks[block, HIGHEST] = max(blocks[block, HIGHEST], push)
+        blocks[block, AHEAD] = max(blocks[block, AHEAD], -after)
+        blocks[block, AHEAD + 1] = max(blocks[block, AHEAD + 1], after)
+        blocks[block, GROWTH] = points[k, UP] * (1.0 + points[k, LENGTH] + even + odd)
+    minus, plus = max(left[0], 0.0), max(left[1], 0.0)
+    slack = 0.5 * longest * (largest + 2.0 * strongest)
+    for block in range(blocks.shape[0] - 1, -1, -1):
+        minus, plus = max(minus, blocks[block, AHEAD]), max(plus, blocks[block, AHEAD + 1])
+        blocks[block, AHEAD], blocks[block, AHEAD + 1] = minus + slack, plus + slack
+        blocks[block, REACH], blocks[block, STRONGEST] = 0.505 * longest**2, strongest
 
 
 class SlenderGround:
@@ -83,9 +115,10 @@ class SlenderGround:
         count = pieces[0].size
         self._divided = np.max(pieces[0]) * rate > LONGEST
         if self._divided:
-            self._parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0).astype(np.int64)
-            self._ends = np.cumsum(self._parts)
-            count = int(self._ends[-1])
+            parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0)
+            self._starts = np.append(0.0, np.cumsum(parts)).astype(np.int64)
+            count = int(self._starts[-1])
+            del parts
         self._count, self._firsts = count, range(0, count, AT_ONCE)
         # G at the end of each set of tables, and the largest -G and G after it.
         self._after = [(0.0, np.zeros(2))]
@@ -108,72 +141,66 @@ class SlenderGround:
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
         """Return tables from piece `first` on; `past` is H before them, `future` G after them, and `left` bounds G."""
-        own = np.arange(first, min(first + AT_ONCE, self._count))
-        whole, parts, place = own, np.ones_like(own), np.zeros_like(own)
+        last = min(first + AT_ONCE, self._count)
+        whole: Any = slice(first, last)
+        parts, place = np.array(1), np.array(0)
         if self._divided:
-            whole = np.searchsorted(self._ends, own, side="right")
-            parts = self._parts[whole]
-            place = own - (self._ends[whole] - parts)
+            own = np.arange(first, last)
+            whole = np.searchsorted(self._starts, own, side="right") - 1
+            parts = self._starts[whole + 1] - self._starts[whole]
+            place = own - self._starts[whole]
         seconds, begin, end = (one[whole] for one in self.pieces)
         length, step = seconds * self.rate / parts, (end - begin) / parts
         start = begin + step * place
         ends = np.where(place + 1 == parts, end, start + step)
         slope = (ends - start) / length
-        count = own.size
-        size = (count // BLOCK + 1) * BLOCK
-        before, after, up, down, push = np.zeros((5, size))
-        growth = np.zeros(size // BLOCK)
-        before[0], after[count] = past, future
-        _impulses(length, start, slope, before, after)
-        _exponentials(length, up, down, growth)
-        push[:count] = self._push(start)
-        np.maximum(push[1 : count + 1], self._push(ends), out=push[1 : count + 1])
-        highest = np.max(np.stack([push, np.append(0.0, push[:-1])]).reshape(2, -1, BLOCK), axis=(0, 2))
-        sides = np.stack([-after, after]).reshape(2, -1, BLOCK).max(axis=2)
-        sides[:, -1] = np.maximum(sides[:, -1], left)
-        longest = np.max(length)
-        reach = np.full(growth.size, 0.505 * longest**2)
-        left = np.maximum(np.maximum.accumulate(sides[:, ::-1], axis=1)[:, ::-1], 0.0)
-        strongest = np.full(growth.size, max(np.max(np.abs(start)), np.max(np.abs(ends))))
-        slack = 0.5 * longest * (np.max(np.abs(after)) + np.max(np.abs(start)) + np.max(np.abs(ends)))
-        points = np.zeros((size, 8))
-        points[:count, :3] = np.stack([length, start, slope], axis=1)
-        points[:, 3:] = np.stack([0.5 * (after + before), 0.5 * (after - before), up, down, push], axis=1)
-        blocks = np.vstack([growth, highest, reach, strongest, left + slack]).T.copy()
-        return Tables(count, points, points[:, [RESPONSE, UP, DOWN]].T.copy(), blocks)
-
-    def _push(self, ground: np.ndarray) -> np.ndarray:
-        return np.maximum(-ground, 0.0) if self.wall else np.abs(ground)
+        size = (length.size // BLOCK + 1) * BLOCK
+        points, rows, blocks = np.zeros((size, 8)), np.empty((3, size)), np.empty((size // BLOCK, AHEAD + 2))
+        _fill_points(length, start, slope, past, future, points, rows)
+        _fill_blocks(ends, self.wall, left, points, blocks)
+        return Tables(length.size, points, rows, blocks)
 
 
 @njit()
-def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: float) -> np.ndarray:
-    """Return the weighted impulse E (march/demand.py) at points of a piecewise linear a_g; `last` is its last value."""
-    weighted = np.full(times.shape[0], last)
+def largest_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> float:
+    """Return the largest abs(E) of the weighted impulse E (march/demand.py) at the points of a piecewise linear a_g."""
+    weighted, largest = 0.0, 0.0
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]
+        if step > 0.0:
+            decay = np.exp(-rate * step)
+            whole = -np.expm1(-rate * step) / rate
+            late = (whole - step * decay) / (rate * step)
+            weighted = decay * weighted + (whole - late) * ground[i] + late * ground[i + 1]
+            largest = max(largest, abs(weighted))
+    return largest
+
+
+@njit()
+def weighted_lobes(
+    times: np.ndarray, ground: np.ndarray, rate: float, points: int, tops: np.ndarray, sizes: np.ndarray
+) -> int:
+    """Fill `tops` [s] and `sizes` [m/s] with the largest abs(E) of each lobe, the last lobe first; return their number.
+
+    E is computed at the start of each of `points` equal parts of every piece of a_g; zeros belong to no lobe. Between
+    two zeros of a_g the sign of E changes at most once.
+    """
+    count, side, weighted = 0, 0.0, 0.0
+    for i in range(times.shape[0] - 2, -1, -1):
+        step, rise = (times[i + 1] - times[i]) / points, (ground[i + 1] - ground[i]) / points
         if step <= 0.0:
-            weighted[i] = weighted[i + 1]
             continue
         decay = np.exp(-rate * step)
         whole = -np.expm1(-rate * step) / rate
         late = (whole - step * decay) / (rate * step)
-        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
-    return weighted
-
-
-@njit()
-def lobe_tops(weighted: np.ndarray) -> np.ndarray:
-    """Return the index of the largest abs(E) in each run of values of one sign, in order; zeros belong to no run."""
-    tops = np.empty(weighted.shape[0], dtype=np.int64)
-    count, side = 0, 0.0
-    for i in range(weighted.shape[0]):
-        if weighted[i] == 0.0:
-            continue
-        here = np.sign(weighted[i])
-        if here != side:
-            tops[count] = i
-            count, side = count + 1, here
-        elif abs(weighted[i]) > abs(weighted[tops[count - 1]]):
-            tops[count - 1] = i
-    return tops[:count].copy()
+        for k in range(points - 1, -1, -1):
+            weighted = decay * weighted + whole * (ground[i] + rise * k) + late * rise
+            if weighted == 0.0:
+                continue
+            here = np.sign(weighted)
+            if here != side:
+                count, side = count + 1, here
+            elif abs(weighted) < abs(sizes[count - 1]):
+                continue
+            tops[count - 1], sizes[count - 1] = times[i] + step * k, weighted
+    return count

@@ -22,12 +22,12 @@ import numpy as np
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.body.limits import RATES
-from rocking.lanes import split_lanes
+from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import BodyLanes
 from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender import ROWS, WIDTH, march_lanes
-from rocking.spectrum.slender_ground import SlenderGround, Tables, weighted_impulse
+from rocking.spectrum.slender_ground import SlenderGround, Tables, largest_impulse
 
 #: Largest acceleration divided by gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
@@ -35,6 +35,8 @@ STRONGEST = 1e6
 SHORTEST = 1e-12
 #: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
 LEAST_RESTITUTION = 0.7125
+#: Lanes up to this restitution represent 1, for bodies whose uncertain C exceeds it; their motion has MOST_RESTITUTION.
+BEYOND = 1.05
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
 #: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
@@ -65,8 +67,8 @@ class SpectrumLanes:
     p : (a,) ndarray
         Frequency parameters, ascending [1/s].
     log_x, restitution, weight : (a, n) ndarray
-        ln of x = f p/(g tan alpha) [s/m]; restitution C; the width in ln x times the share of restitutions that
-        a lane represents [-].
+        ln of x = f p/(g tan alpha) [s/m]; restitution C, of which values above 1 represent 1; the width in ln x times
+        the share of restitutions that a lane represents [-].
     peak : (a, n) ndarray
         Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED; NaN for other lanes if only verdicts
         were computed.
@@ -140,7 +142,7 @@ def spectrum_lanes(
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
-    between = REBOUNDS if side else (LEAST_RESTITUTION, MOST_RESTITUTION)
+    between = REBOUNDS if side else (LEAST_RESTITUTION, 1.0)
     times = interval * np.arange(ground.size)
     return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
 
@@ -149,7 +151,7 @@ def piece_lanes(
     times: np.ndarray,
     ground: np.ndarray,
     p: ArrayLike = RATES,
-    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     threads: int | None = None,
     *,
     side: int = 0,
@@ -160,7 +162,7 @@ def piece_lanes(
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
-    least, most = between
+    least, most = between[0], BEYOND if between[1] == 1.0 else between[1]
 
     def restitutions(rank: np.ndarray) -> np.ndarray:
         return least + (most - least) * rank
@@ -170,9 +172,7 @@ def piece_lanes(
     found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if not rotations:
         found["peak"][np.isfinite(found["peak"])] = np.nan
-    # A restitution close to 1 represents 1.
-    covered = (least, 1.0 if most == MOST_RESTITUTION else most)
-    return SpectrumLanes(rates, **found, between=covered, side=side)
+    return SpectrumLanes(rates, **found, between=between, side=side)
 
 
 def body_piece_lanes(
@@ -230,12 +230,16 @@ def _march_lanes(
     highest = -least if side else max(-least, most)
     if not highest > 0.0:
         raise ValueError("acceleration: no sample has the sign that lifts a block beside a wall on this side")
-    for rate, restitution in zip(rates.tolist(), restitutions, strict=True):
+
+    def at_rate(place: int, threads: int) -> dict[str, Any]:
+        rate = float(rates[place])
         bottom = math.log(rate / highest)
-        top = max(math.log(HIGHEST / _largest(weighted_impulse(times, ground, rate, 0.0))), bottom + LEAST_SPAN)
+        top = max(math.log(HIGHEST / largest_impulse(times, ground, rate)), bottom + LEAST_SPAN)
         motion = SlenderGround(pieces, rate, side != 0)
         march = partial(march_one_rate, motion, rotations=rotations, threads=threads)
-        yield _both_stages(bottom, top, march, restitution, second)
+        return _both_stages(bottom, top, march, restitutions[place], second)
+
+    return spread(at_rate, range(rates.size), threads)
 
 
 def march_one_rate(
@@ -276,25 +280,28 @@ def _both_stages(
     second: int,
 ) -> dict[str, Any]:
     """Return the samples of both stages, from uplift at ln x = `bottom` to `top`; `march` computes the rotations."""
-    restitution = restitutions(_ranks(FIRST, 0.5))
+    given = restitutions(_ranks(FIRST, 0.5))
+    restitution = np.minimum(given, MOST_RESTITUTION)
     for _ in range(WIDENINGS):
         log_x = bottom + (top - bottom) * ((np.arange(FIRST) + 0.5) / FIRST)
         peak = march(log_x, restitution)
         if np.all(np.isinf(peak[log_x > bottom + (1.0 - LAST_SHARE) * (top - bottom)])):
             break
         top += LEAST_SPAN
-    least, most = restitutions(np.array([0.0, 1.0]))
+    least, most = np.minimum(restitutions(np.array([0.0, 1.0])), MOST_RESTITUTION)
     ends = _level(bottom, least), _level(top, most)
     places, grid, density = _second_stage_levels(_level(log_x, restitution), np.isinf(peak), *ends, second)
-    more = restitutions(_ranks(second, 0.25))
+    given_next = restitutions(_ranks(second, 0.25))
+    more = np.minimum(given_next, MOST_RESTITUTION)
     above = places - SLOPE * (more - MIDDLE)
     log_x, restitution = np.append(log_x, above), np.append(restitution, more)
     peak = np.append(peak, march(above, more))
     evenly = FIRST / (top - bottom) * (log_x <= top)
     inside = (log_x > bottom) & (log_x <= top)
     weight = np.where(inside, 1.0 / (evenly + np.interp(_level(log_x, restitution), grid, density)), 0.0)
-    order = np.argsort(restitution, kind="stable")
-    found = {"log_x": log_x, "restitution": restitution, "weight": weight, "peak": peak}
+    given = np.append(given, given_next)
+    order = np.argsort(given, kind="stable")
+    found = {"log_x": log_x, "restitution": given, "weight": weight, "peak": peak}
     return {**{name: values[order] for name, values in found.items()}, "bottom": bottom, "top": top}
 
 

@@ -9,13 +9,12 @@ from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, gro
 from rocking.march.demand import HANDED_ON
 from rocking.response import Outcome
 from rocking.spectrum.half_waves import (
-    Lobes,
-    _main_lobes,
     checked_half_waves,
     demand_of_half_waves,
     half_wave_lanes,
     impulse_lobes,
     lobe_shapes,
+    main_lobes,
     triangles,
 )
 from rocking.spectrum.slender_ground import SlenderGround
@@ -293,15 +292,15 @@ def test_no_half_wave_asks_for_nothing():
 
 def test_lobes_above_half_the_largest_one_are_main_ones():
     sizes, times = np.array([0.5, -0.2, 1.0, -0.3, 0.5, -0.6, 0.45]), np.array([0.0, 3.0, 6.0, 9.0, 13.0, 15.0, 22.0])
-    count, ratio, interval = _main_lobes(Lobes(times, sizes))
+    count, ratio, interval = main_lobes(times, sizes)
     assert (count, interval) == (2, 3.0)
     assert ratio == pytest.approx(np.sqrt((0.3**2 + 0.5**2) / 2.0))
-    count, ratio, interval = _main_lobes(Lobes(times, 2.0 * sizes * [1.02, 1, 1, 1, 1, 1, 1]))
+    count, ratio, interval = main_lobes(times, 2.0 * sizes * [1.02, 1, 1, 1, 1, 1, 1])
     assert (count, interval) == (3, 3.0)
     assert ratio == pytest.approx(np.sqrt((0.2**2 + 0.3**2 + 0.5**2) / 3.0))
-    assert _main_lobes(Lobes(times[:3], np.array([0.7, -1.0, 0.8]))) == (3, 0.0, 3.0)
+    assert main_lobes(times[:3], np.array([0.7, -1.0, 0.8])) == (3, 0.0, 3.0)
     for few in (sizes[:0], sizes[:1], sizes[1:4]):
-        assert _main_lobes(Lobes(times[: few.size], few))[:2] == (1, 0.0)
+        assert main_lobes(times[: few.size], few)[:2] == (1, 0.0)
     waves = [0.0, 3.0, 6.0], [1e-6, 3.0 + 1e-6, 6.0 + 1e-6], [2e-6, 3.0 + 2e-6, 6.0 + 2e-6], [1.0, -0.2, 0.8]
     found = lobe_shapes(*waves, [0.01, 20.0])
     assert [column.shape for column in found] == [(2,)] * 3

@@ -82,8 +82,10 @@ def test_slender_bodies_have_what_the_spectrum_of_the_record_tells_if_all_of_it_
         assert read[name][2] == found[name][2], name
     factor = read["demand_factor"][:2]
     assert_allclose(read["demand_probability"][:2], spectrum.overturning(block, factor))
-    # The lanes of both differ, and what they estimate does not.
-    assert read["factor_50"] == pytest.approx(found["factor_50"], rel=0.1)
+    # The lanes of both differ, and what they estimate does not: on the plateau of the pier P is 0.43 to 0.58 over a
+    # third of ln f.
+    for name in ("factor_10", "factor_50", "factor_mean"):
+        assert np.all((read[f"{name}_low"] < found[name]) & (found[name] < read[f"{name}_high"]))
 
 
 def test_the_probability_of_uplift_is_that_of_draws(found):
