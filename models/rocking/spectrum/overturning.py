@@ -17,6 +17,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
+from rocking.lanes import spread
 from rocking.pictures import short_repr
 from rocking.spectrum.probability import (
     NO_LANE,
@@ -275,16 +276,22 @@ class OverturningSpectrum:
         below = above - 1  # for the first one this is the last, which has zero weight
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
+        parts = self._parts(restitution)
+
+        def at_rate(place: int, _: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            weight = np.where(below == place, 1.0 - share, 0.0) + np.where(above == place, share, 0.0)
+            here = np.flatnonzero(weight)
+            least, most = (np.concatenate([part[end][here] for part in parts]) for end in (1, 2))
+            found = [np.split(one[0], len(parts)) for one in self._at(place, least, most, np.array([np.inf]))]
+            weights = [weight[here, np.newaxis] * part[here] for part, _, _ in parts]
+            own = sum(one * values for one, values in zip(weights, found[0], strict=True))
+            return here, np.asarray(own), np.asarray(sum(one**2 * v for one, v in zip(weights, found[1], strict=True)))
+
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
-        for part, least, most in self._parts(restitution):
-            for place in np.union1d(above, below):
-                weight = np.where(below == place, 1.0 - share, 0.0) + np.where(above == place, share, 0.0)
-                here = np.flatnonzero(weight)
-                if here.size:
-                    own, spread = (one[0] for one in self._at(place, least[here], most[here], np.array([np.inf])))
-                    weights = weight[here, np.newaxis] * part[here]
-                    probability[here] += weights * own
-                    variance[here] += weights**2 * spread
+        places = np.union1d(above[share > 0.0], below[share < 1.0]).tolist()
+        for here, own, spread_here in spread(at_rate, places, None):
+            probability[here] += own
+            variance[here] += spread_here
         return probability, np.sqrt(variance)
 
     def _at(
