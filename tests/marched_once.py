@@ -2,7 +2,7 @@
 
 import functools
 import hashlib
-import os
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,7 @@ def keep_marches(folder: Path) -> None:
         if file.exists():
             return np.load(file)
         peak = march(motion, log_x, restitution, rotations=rotations, threads=threads)
-        part = file.with_suffix(f".{os.getpid()}.part")
+        part = file.with_suffix(f".{threading.get_native_id()}.part")
         with part.open("wb") as stream:
             np.save(stream, peak)
         part.replace(file)

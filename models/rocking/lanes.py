@@ -11,7 +11,8 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-Item, Found = TypeVar("Item"), TypeVar("Found")
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 #: Number of slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
 SLICES_PER_THREAD = 8
 #: The limits in force: a list, because `with` blocks of several threads may overlap and end in any order.
@@ -24,7 +25,7 @@ OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """Declare a dataclass field with one value per lane (a body under a factor), `fill` for lanes without a result."""
+    """Declare a field of a dataclass with one value per lane; `fill` is the value of lanes without a result."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 

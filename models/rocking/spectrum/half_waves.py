@@ -19,7 +19,7 @@ from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH
 from rocking.spectrum.body_probability import lane_capacity
-from rocking.spectrum.overturning import OverturningSpectrum, covered, shared_rates
+from rocking.spectrum.overturning import OverturningSpectrum, shared_groups
 from rocking.spectrum.probability import Uncertainty
 from rocking.spectrum.slender_ground import weighted_lobes
 from rocking.spectrum.slender_lanes import (
@@ -36,9 +36,9 @@ from rocking.spectrum.slender_lanes import (
 POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Number of lanes in the second stage of a single block, and at each p of a spectrum that many blocks share;
-#: g tan(alpha)/p of the slender blocks that are computed [m/s].
-SECOND, SHARED_LANES, SPEED = 320, 960, 0.01
+#: Number of lanes in the second stage of a single block, and per unit of C at each p of a spectrum that many blocks
+#: share; g tan(alpha)/p of the slender blocks that are computed [m/s].
+SECOND, SHARED_DENSITY, SPEED = 320, 3800.0, 0.01
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -270,10 +270,8 @@ def _spectra(
     times, ground = triangles(start, centroid, end, impulse / largest)
     uncertainty = Uncertainty()
     capacity, rest = np.zeros((2, slender.shape[0])), np.ones(slender.shape[0], dtype=bool)
-    inside = np.flatnonzero(covered(slender, uncertainty))
-    rates = shared_rates(np.asarray(slender.p)[inside], FIRST + SECOND, FIRST + SHARED_LANES)
-    if rates is not None:
-        shared = piece_lanes(times, ground, rates, threads=threads, rotations=False, second=SHARED_LANES)
+    for inside, arguments in shared_groups(slender, uncertainty, FIRST + SECOND, SHARED_DENSITY):
+        shared = piece_lanes(times, ground, **arguments, threads=threads, rotations=False)
         factors = OverturningSpectrum(shared, uncertainty).factors(slender.take(inside))
         capacity[:, inside], rest[inside] = (factors.factor_mean, factors.factor_10), False
     reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)

@@ -10,8 +10,9 @@
    (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -30,7 +31,15 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
-from rocking.spectrum.slender_lanes import BEYOND, LEAST_RESTITUTION, RATES, SpectrumLanes
+from rocking.spectrum.slender_lanes import (
+    BEYOND,
+    FIRST,
+    LEAST_RESTITUTION,
+    RATES,
+    REBOUNDS,
+    SpectrumLanes,
+    upper_end,
+)
 
 #: Levels of x are exp(LEVEL_STEP k) with integer k, the same numbers for all records.
 LEVEL_STEP = 0.05
@@ -47,8 +56,10 @@ LEAST_SHARE = 0.09
 LEAST_SLENDERNESS = 3.5
 #: A spectrum that many bodies share (docs/decisions/018): its frequency parameters [1/s], smallest number of bodies,
 #: and the model error as a standard deviation of ln f [-].
-SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 71)
+SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 36)
 FEWEST_SHARING, SHARED_INTERPOLATION = 64, 0.005
+#: Sides of the bodies that share a spectrum, and the range of C that it covers: a body uses the first that covers it.
+SHARED_RANGES = ((0, (0.84, 1.0)), (0, (LEAST_RESTITUTION, 1.0)), (1, REBOUNDS), (-1, REBOUNDS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +134,23 @@ def covered(
     return alone & slender_within(block.weaker, p) & covered_range(block.restitution, uncertainty, between)
 
 
-def shared_rates(p: np.ndarray, own: int, shared: int) -> np.ndarray | None:
-    """Return the frequency parameters of a spectrum shared by bodies of p (m,) [1/s]; None if it saves no samples.
+def shared_groups(
+    block: Block, uncertainty: Uncertainty, own: int, density: float
+) -> Iterator[tuple[np.ndarray, dict[str, Any]]]:
+    """Yield groups of blocks that share a spectrum, as indices, and the arguments of :func:`spectrum_lanes` for it.
 
-    Without it each body needs `own` samples; the spectrum needs `shared` samples at each frequency parameter.
+    Without a spectrum each block needs `own` samples; a spectrum has `density` samples per unit of C in the second
+    stage at each frequency parameter. A group is left out if that saves no samples.
     """
-    above = np.clip(np.searchsorted(SHARED_RATES, p), 1, SHARED_RATES.size - 1)
-    places = np.union1d(above - 1, above)
-    fewer = p.size >= FEWEST_SHARING and places.size * shared < p.size * own
-    return SHARED_RATES[places] if fewer else None
+    rest = np.ones(block.shape, dtype=bool)
+    for side, between in SHARED_RANGES:
+        inside = np.flatnonzero(rest & covered(block, uncertainty, side=side, between=between))
+        p, second = np.asarray(block.weaker.p)[inside], round(density * (upper_end(between) - between[0]))
+        above = np.clip(np.searchsorted(SHARED_RATES, p), 1, SHARED_RATES.size - 1)
+        places = np.union1d(above - 1, above)
+        if inside.size >= FEWEST_SHARING and places.size * (FIRST + second) < inside.size * own:
+            rest[inside] = False
+            yield inside, {"p": SHARED_RATES[places], "side": side, "between": between, "second": second}
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
@@ -145,7 +164,8 @@ def covered_range(
 ) -> np.ndarray:
     """Return a mask (m,) of nominal C around which a spectrum with samples in `between` has enough samples.
 
-    The uncertainty has the limits of a uniform distribution; restitutions above 1 count as 1.
+    False for every C if the uncertainty lists measured values in place of the two limits of a uniform distribution.
+    Restitutions above 1 count as 1.
     """
     nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
     if len(uncertainty.restitution) != 2:
@@ -204,7 +224,9 @@ class OverturningSpectrum:
         """
         states = np.asarray(rotation, dtype=float)
         if not np.all(np.diff(np.atleast_1d(states), prepend=0.0) > 0.0):
-            raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
+            raise ValueError(
+                f"rotation: expected positive theta/alpha in ascending order (inf: overturning), got {rotation!r}"
+            )
         if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
             raise ValueError(
                 f"rotation: expected inf, as the spectrum was computed without rotations, got {rotation!r}"

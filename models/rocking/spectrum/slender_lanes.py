@@ -109,6 +109,7 @@ def spectrum_lanes(
     side: int = 0,
     rotations: bool = True,
     second: int = SECOND,
+    between: tuple[float, float] | None = None,
 ) -> SpectrumLanes:
     """Compute the responses of slender blocks (lanes) that give the overturning spectrum of a record.
 
@@ -127,6 +128,8 @@ def spectrum_lanes(
         False to compute only which lanes overturn, in about half the time.
     second : int
         Number of lanes in the second stage at each p; the first stage has 144.
+    between : (float, float), optional
+        Range of restitutions that the lanes represent; by default 0.7125 to 1, beside a wall 0.25 to 0.55 (rebounds).
 
     Raises
     ------
@@ -142,7 +145,7 @@ def spectrum_lanes(
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
-    between = REBOUNDS if side else (LEAST_RESTITUTION, 1.0)
+    between = between or (REBOUNDS if side else (LEAST_RESTITUTION, 1.0))
     times = interval * np.arange(ground.size)
     return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
 
@@ -162,7 +165,7 @@ def piece_lanes(
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
-    least, most = between[0], BEYOND if between[1] == 1.0 else between[1]
+    least, most = between[0], upper_end(between)
 
     def restitutions(rank: np.ndarray) -> np.ndarray:
         return least + (most - least) * rank
@@ -198,6 +201,11 @@ def body_piece_lanes(
         ends = row["bottom"] + speed, row["top"] + speed
         lanes.append(BodyLanes(log_factor, weight, over, np.zeros(over.size, dtype=bool), *ends, open=False))
     return lanes
+
+
+def upper_end(between: tuple[float, float]) -> float:
+    """Return the largest restitution of the lanes that cover a range of C: BEYOND if the range ends at 1."""
+    return BEYOND if between[1] == 1.0 else between[1]
 
 
 def _march_lanes(

@@ -1,6 +1,6 @@
 """The probability of overturning of every body under one record, and the rotation of every body at each demand."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from rocking.spectrum.overturning import (
     OverturningFactors,
     OverturningSpectrum,
     covered,
-    shared_rates,
+    shared_groups,
 )
 from rocking.spectrum.slender_lanes import (
     FIRST,
@@ -37,8 +37,8 @@ ENDS = ("", "_low", "_high")
 NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *OF_TIES)
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
-#: Number of blocks computed in the second stage of a spectrum that many bodies share, at each frequency parameter.
-SHARED_LANES = 1600
+#: Number of blocks per unit of C in the second stage of a spectrum that many bodies share, at each frequency parameter.
+SHARED_DENSITY = 7000.0
 
 
 def record_probability(
@@ -139,15 +139,12 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
     # A spectrum does not apply with a vertical acceleration, and a record of zeros has no spectrum.
     has_spectrum = scene.vertical is None and bool(np.any(record.acceleration))
-    for side, between in SERVED.items() if has_spectrum else ():
-        inside = np.flatnonzero(covered(found.block, uncertainty, side=side, between=between))
-        bodies_inside = found.block.take(inside)
-        spectrum = _spectrum(record, bodies_inside, side, config)
-        if spectrum is not None and config.uncertainty.spectrum == "all" and side == 0:
-            stored = spectrum
-        if spectrum is not None and inside.size:
-            read = spectrum.read(bodies_inside)
-            source = np.full(inside.shape, SOURCES.index("spectrum" if stored else "shared_spectrum"))
+    for inside, spectrum in _spectra(record, found.block, config) if has_spectrum else ():
+        every = config.uncertainty.spectrum == "all"
+        stored = spectrum if every and spectrum.lanes.side == 0 else stored
+        if inside.size:
+            read = spectrum.read(found.block.take(inside))
+            source = np.full(inside.shape, SOURCES.index("spectrum" if every else "shared_spectrum"))
             put(inside, read.factors(limit), read.overturning(asked[inside]), source)
             rest[inside] = False
     others = np.flatnonzero(rest)
@@ -169,17 +166,15 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     return stored
 
 
-def _spectrum(record: Record, block: Block, side: int, config: Config) -> OverturningSpectrum | None:
-    """Return a spectrum from which P of m slender bodies is read; None if P of each body is computed separately."""
+def _spectra(record: Record, block: Block, config: Config) -> Iterator[tuple[np.ndarray, OverturningSpectrum]]:
+    """Yield the spectra from which P of slender bodies is read, each after the indices of these bodies."""
     motion, uncertainty = (record.acceleration, record.dt), config.uncertainty.of_draws()
     if config.uncertainty.spectrum == "all":
-        return (
-            OverturningSpectrum(spectrum_lanes(*motion, side=side), uncertainty)
-            if side == 0 or block.shape[0]
-            else None
-        )
-    rates = shared_rates(np.asarray(block.weaker.p), FIRST + SECOND_OF_BODY, FIRST + SHARED_LANES)
-    if config.uncertainty.spectrum == "none" or rates is None:
-        return None
-    lanes = spectrum_lanes(*motion, rates, side=side, rotations=False, second=SHARED_LANES)
-    return OverturningSpectrum(lanes, uncertainty, SHARED_INTERPOLATION)
+        for side, between in SERVED.items():
+            inside = np.flatnonzero(covered(block, uncertainty, side=side, between=between))
+            if side == 0 or inside.size:
+                yield inside, OverturningSpectrum(spectrum_lanes(*motion, side=side), uncertainty)
+    elif config.uncertainty.spectrum == "auto":
+        for inside, arguments in shared_groups(block, uncertainty, FIRST + SECOND_OF_BODY, SHARED_DENSITY):
+            lanes = spectrum_lanes(*motion, **arguments, rotations=False)
+            yield inside, OverturningSpectrum(lanes, uncertainty, SHARED_INTERPOLATION)
