@@ -19,8 +19,9 @@ from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH
 from rocking.spectrum.body_probability import lane_capacity
-from rocking.spectrum.overturning import OverturningSpectrum, shared_groups
+from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.probability import Uncertainty
+from rocking.spectrum.sharing import shared_groups
 from rocking.spectrum.slender_ground import weighted_lobes
 from rocking.spectrum.slender_lanes import (
     FIRST,

@@ -10,12 +10,11 @@ from rocking.march.recorded import recorded_response, sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import (
-    SHARED_INTERPOLATION,
     OverturningFactors,
     OverturningSpectrum,
     covered,
-    shared_groups,
 )
+from rocking.spectrum.sharing import SHARED_INTERPOLATION, shared_groups
 from rocking.spectrum.slender_lanes import (
     FIRST,
     LEAST_RESTITUTION,
