@@ -2,8 +2,9 @@
 
 ``python benchmarks/overturning_probability.py FOLDER [--units g] [--pairs 500]`` uses the strong horizontal channels of
 a folder, by the protocol of the rule (docs/decisions/009), and random bodies of slenderness 3.5 to 18, R 0.3 to 8 m and
-C of 0.93 to 1 times Housner's. Three computations are compared: a body's own marches in the limit of slender blocks
-(the default), its own marches by the nonlinear equation, and the overturning spectrum of the record.
+C of 0.93 to 1 times Housner's. Four computations are compared: a body's own marches in the limit of slender blocks
+(the default), its own marches by the nonlinear equation, the overturning spectrum of the record, and a spectrum that
+many bodies share.
 
 The reference has other random numbers and no isotonic fit of P. P at one scale factor near the capacity is the share of
 4096 plain draws of scale factor, C and alpha that overturn (its standard error is at most 0.008). `factor_10` and
@@ -40,6 +41,8 @@ from rocking.search.capacity import uplift_scale
 from rocking.spectrum import body_lanes, body_probability, slender_lanes
 from rocking.spectrum.half_waves import half_wave_lanes
 from rocking.spectrum.probability import MOST_RESTITUTION, factor_at, rising
+from rocking.spectrum.sharing import FEWEST_SHARING, SHARED_INTERPOLATION, shared_groups
+from rockpulse.assessment.probability import SHARED_DENSITY
 from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 
 UNCERTAINTY = Uncertainty()
@@ -53,7 +56,7 @@ STEP = 0.02
 NEAR = 0.25
 #: Numbers of marches in the second stage that are compared: in the limit of slender blocks, and nonlinear.
 SECONDS = {True: (400, 800, 1600, 3200), False: (192, 384, 768, 1536)}
-KINDS = ("own, slender limit", "own, nonlinear", "spectrum of the record")
+KINDS = ("own, slender limit", "own, nonlinear", "spectrum of the record", "shared spectrum")
 QUANTITIES = ("factor_10", "factor_50", "factor_mean")
 
 
@@ -146,7 +149,7 @@ def reference(
 
 
 def pair_errors(motion: StrongMotion, spectra: dict[int, OverturningSpectrum], pair: int, wall: bool) -> np.ndarray:
-    """Return the errors of every kind of :data:`KINDS` for one pair, (3, 3 + 2 quantities): of P at one scale factor,
+    """Return the errors of every kind of :data:`KINDS` for one pair, (4, 3 + 2 quantities): of P at one scale factor,
     that P, the slenderness, and of each quantity ln of the ratio to the reference and whether its interval contains it.
     """
     random = np.random.default_rng([17, pair])
@@ -161,11 +164,15 @@ def pair_errors(motion: StrongMotion, spectra: dict[int, OverturningSpectrum], p
         )
         for slender in (True, False)
     ]
-    read = [*answers, spectra[side].factors(body)]
+    crowd = body.take(np.zeros(FEWEST_SHARING, dtype=int))
+    ((_, arguments),) = shared_groups(crowd, UNCERTAINTY, own=10**9, density=SHARED_DENSITY)
+    lanes = spectrum_lanes(record.acceleration, record.dt, threads=1, rotations=False, **arguments)
+    both = spectra[side], OverturningSpectrum(lanes, UNCERTAINTY, SHARED_INTERPOLATION)
+    read = [*answers, *(one.factors(body) for one in both)]
     truth, plain = reference(motion, body.lane(0), math.log(read[2].factor_mean[0]), 1000 * pair)
     at = truth["factor_50"] * math.exp(NEAR * random.standard_normal())
     share = plain(math.log(at))
-    shares = [*(one.overturning([[at]])[0, 0] for one in answers), spectra[side].overturning(body, [[at]])[0, 0]]
+    shares = [one.overturning([[at]])[0, 0] for one in answers] + [one.overturning(body, [[at]])[0, 0] for one in both]
     rows = []
     for own, factors in zip(shares, read, strict=True):
         row = [own - share, share, float(body.slenderness[0])]
@@ -186,7 +193,7 @@ def error(motions: list[StrongMotion], pairs: int, wall: bool) -> None:
 
 
 def print_errors(tables: np.ndarray) -> None:
-    """Print what (n, 3, k) rows of :func:`pair_errors` tell."""
+    """Print what (n, 4, k) rows of :func:`pair_errors` tell."""
     for place, kind in enumerate(KINDS):
         table = tables[:, place]
         _print(kind, table)
