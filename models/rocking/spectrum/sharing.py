@@ -12,7 +12,7 @@ from rocking.spectrum.slender_lanes import FIRST, LEAST_RESTITUTION, RATES, REBO
 
 #: A shared spectrum (docs/decisions/018): its frequency parameters [1/s], smallest number of bodies,
 #: and the model error as a standard deviation of ln f [-].
-SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 36)
+SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 47)
 FEWEST_SHARING, SHARED_INTERPOLATION = 64, 0.005
 #: Sides of the bodies that share a spectrum, and the range of C that it covers: a body uses the first that covers it.
 SHARED_RANGES = ((0, (0.84, 1.0)), (0, (LEAST_RESTITUTION, 1.0)), (1, REBOUNDS), (-1, REBOUNDS))

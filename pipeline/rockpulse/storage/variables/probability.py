@@ -93,7 +93,7 @@ PROBABILITY: Declared = {
         "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or "
         "vertical acceleration); spectrum: the overturning "
         'spectrum of the record, with `[uncertainty] spectrum = "all"`; shared_spectrum: an overturning spectrum at '
-        "frequency parameters 8 % apart, for 64 slender bodies or more",
+        "frequency parameters 6 % apart, for 64 slender bodies or more",
     ),
 }
 
