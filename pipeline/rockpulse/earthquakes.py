@@ -135,7 +135,7 @@ def record_quantiles(
 
     Predictive quantiles (`predictive`) allow for the small number of earthquakes, and need positive values.
 
-    The q-quantile of the values of g earthquakes is exceeded by a further earthquake with a probability above 1 - q.
+    The q-quantile of the values of g earthquakes is exceeded by another earthquake with a probability above 1 - q.
     The i-th smallest of g independent values is exceeded with the probability 1 - i/(g + 1) (Gumbel 1958, section
     1.2.7). With cumulative weights W in earthquakes the probability of a value of weight w is (W - w/2 + 1/2)/(g +
     1); logarithms are interpolated linearly between values, and limits computed from logarithms. g is the effective

@@ -180,7 +180,7 @@ class Failure:
 
     @property
     def place(self) -> str:
-        """The start of the reason if it names file and line, or record; otherwise the name of the file."""
+        """The file and line, or the record, at the start of the reason; otherwise the name of the file."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -228,7 +228,7 @@ def some(names: Sequence[str], most: int) -> str:
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Return whether a file could not be read; a name that matches no record may then be the name of its record."""
+    """Return whether a file could not be read; a name that matches no record may then name a record in this file."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 

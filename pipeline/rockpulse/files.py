@@ -160,7 +160,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
-    """Write all files; if one cannot be written, leave all files as they were."""
+    """Write all files; if one cannot be written, leave all files unchanged."""
     with FileSet() as files:
         for path, content in contents.items():
             files.add(path, content)

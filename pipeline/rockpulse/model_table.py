@@ -216,7 +216,7 @@ EQUATIONS = tuple(row.name for row in reversed(_ROWS) if row.equation)
 
 
 def is_upper_bound(name: str) -> bool:
-    """Return whether the input of a model is an upper bound, for which overturning means that a body may be unsafe."""
+    """Return whether the input of a model is an upper bound; overturning then means that a body may be unsafe."""
     return name in MODELS and MODELS[name].upper_bound != ""
 
 

@@ -96,7 +96,7 @@ def is_number(value: Any) -> bool:
 
 
 def _of_no_size(value: Any) -> str:
-    """Return advice on a number that is too large or too small for any formula; empty for other numbers."""
+    """Return advice on a number that is too large or too small to compute with; empty for other numbers."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if isinstance(value, float) and not math.isfinite(value):

@@ -18,7 +18,7 @@ LINES, PATIENCE = 400, 10.0
 
 
 def follow_parent() -> None:
-    """Interrupt this process, as Ctrl-C does, when the program that started it closes its standard input or ends."""
+    """Interrupt this process, as Ctrl-C does, when the parent process ends or closes the pipe to its standard input."""
 
     def wait() -> None:
         while os.read(0, 64):  # not sys.stdin, whose lock would block the end of the process

@@ -40,7 +40,7 @@ def text_of(value: Any) -> str:
 
 
 def _shown(word: str) -> str:
-    """Return the name of a choice: the title of a measure, a unit as it is, or a word in the language of the page."""
+    """Return the name of a choice: the title of a measure, the unit itself, or a word in the language of the page."""
     if word in HAZARD_UNITS:
         return word
     return MEASURES[word].title if word in MEASURES else say(f"app.word.{word}")

@@ -20,7 +20,7 @@ POLICY = (
 
 
 class Guard:
-    """ASGI middleware that accepts only requests with the secret token of the printed address, or its cookie."""
+    """ASGI middleware that accepts a request only if its address or its cookie contains the secret token."""
 
     def __init__(self, app: ASGIApp, token: str, port: int) -> None:
         self.app, self.token, self.cookie = app, token, f"rockpulse{port}"
@@ -46,7 +46,7 @@ class Guard:
         return await self.app(scope, receive, send_with_policy)
 
     def _answer(self, asked: HTTPConnection) -> Response | None:
-        """Return the answer to a request that does not reach the page; None for one that does."""
+        """Return the answer to a request that is not passed on to the page; None if the request is passed on."""
         entered = asked.scope["type"] == "http" and self._known(asked.query_params.get("token", ""))
         if self._foreign(asked) or not (entered or self._known(asked.cookies.get(self.cookie, ""))):
             return _refused(403)

@@ -62,7 +62,7 @@ def safe_name(name: str) -> str:
 
 
 def safe_path(name: str) -> Path:
-    """Return a relative path of safe names from the last parts of another one, whose separator is ``/``."""
+    """Return a relative path of safe names, made from the last parts of a path with the separator ``/``."""
     parts = [part for part in name.split("/") if part.strip(" .")][-DEEPEST:]
     return Path(*map(safe_name, parts or [name]))
 
@@ -88,7 +88,7 @@ class Project:
     assessed : int
         Number of assessments that have ended with results.
     kept : tuple
-        Records and failures as they were read last.
+        The records and failures that were read last.
     command : Command
         The command that is running, or that ran last.
     """
@@ -121,7 +121,7 @@ class Project:
         return self.written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
 
     def section(self, name: str) -> dict[str, Any]:
-        """Return a section, created if missing; changes to this dict change the configuration."""
+        """Return a section, and create it if it is missing; changes to this dict change the configuration."""
         found: dict[str, Any] = self.document.setdefault(name, {})
         return found
 
@@ -190,12 +190,12 @@ class Project:
             self.add_record(path.name, path, shutil.copyfile)
 
     def name_of(self, source: str) -> str:
-        """Return the path of a file of records from the project folder, as the configuration has it."""
+        """Return the path of a record file as in the configuration, relative to the project folder if possible."""
         path = Path(source)
         return (path.relative_to(self.folder) if path.is_relative_to(self.folder) else path).as_posix()
 
     def remove(self, path: Path, ids: Collection[str] = ()) -> None:
-        """Delete a record file, and the keys that the configuration has for it and for channels with some ids."""
+        """Delete a record file, and the entries of the configuration for this file and for the channels `ids`."""
         name, records = self.name_of(str(path)), self.section("records")
         path.unlink(missing_ok=True)
         records["file"] = [row for row in records.get("file", []) if row["match"] != name]
@@ -204,16 +204,16 @@ class Project:
         self.save()
 
     def pairs_without(self, *names: str) -> list[dict[str, Any]]:
-        """Return the pairs of the configuration that contain none of some files."""
+        """Return the pairs of the configuration that contain none of the given files."""
         paths = [str(self.folder / name) for name in names]
         pairs = self.section("records").get("pair", [])
         return [row for row in pairs if not any(map(PairSettings(**row).side, paths))]
 
     def remedy(self, file: str, key: str, value: Any) -> str:
-        """Apply a remedy to a file, and return why this is not possible.
+        """Apply a remedy to a file; return the error if the configuration is then invalid, otherwise an empty text.
 
-        The value is a unit (`units`), an interval (`dt`), the ids of channels (`confirm`), or the names of the files
-        towards north and east, or none of them (`pair`).
+        The value is a unit for the key `units`, an interval for `dt`, the ids of channels for `confirm`, and the names
+        of the north and the east file for `pair`; an empty value removes the pair of the file.
         """
         records = self.section("records")
         if key == "confirm":
@@ -295,11 +295,11 @@ class Project:
 
     @property
     def outdated(self) -> bool:
-        """Whether there are results, and the configuration or a file of records has changed since."""
+        """Whether there are results that are older than the last change to the configuration or to a record file."""
         return (self.folder / RESULTS).is_file() and not self.is_current(RESULTS)
 
     def is_current(self, name: str) -> bool:
-        """Return whether a file of results exists that was made from the records and the configuration as they are."""
+        """Return whether a file of results exists that was made from the current records and configuration."""
         path, config = self.folder / name, self.config()
         tables = (config.records.events, config.check.file, config.fragility.selection)
         named = [self.folder / one for one in (*tables, *(one.selection for one in config.demands)) if one]
@@ -338,7 +338,7 @@ def _newer(paths: Iterable[Path], made: Path) -> bool:
 
 @lru_cache
 def _made_from(path: Path, when: int) -> Config:
-    """Return the configuration from which a file of results was made at a time."""
+    """Return the configuration stored in a file of results; `when`, the time of the file, is a key of the cache."""
     from rockpulse.storage.hdf5.results_file import open_results_file
 
     with open_results_file(path) as file:
@@ -346,7 +346,7 @@ def _made_from(path: Path, when: int) -> Config:
 
 
 def _basis(config: Config) -> Config:
-    """Return what an assessment and a fragility depend on; results contain the full paths of the records."""
+    """Return the configuration reduced to the options of an assessment and a fragility, without record folders."""
     records = replace(config.records, paths=tuple(Path(path).name for path in config.records.paths))
     return replace(config, records=records, hazard=HazardSettings(), selection=SelectionSettings())
 

@@ -203,7 +203,7 @@ class RecordPart:
         await self.read()
 
     def _partners(self, name: str) -> dict[str, list[str]]:
-        """Return the files that can be the other direction of a file, similar names first, as north and east."""
+        """Return, for each possible partner of a file, the names of the north and east files; similar names first."""
         if name not in self.single:
             return {}
         one, last = self.single[name], last_part(name)
@@ -288,13 +288,13 @@ def _box(file: str) -> str:
 
 
 def _unlike(last: str, file: str) -> int:
-    """Return the number of characters in which the name of a file differs from another one."""
+    """Return the number of characters in which the name of a file differs from the name `last`."""
     other = last_part(file)
     return sum(map(ne, last, other)) + abs(len(last) - len(other))
 
 
 def _eastward(one: Record, other: Record) -> bool:
-    """Return whether the first of two perpendicular channels is the one nearer to east, by the stated azimuths."""
+    """Return whether the first of two perpendicular channels is nearer to east, by the stated azimuths."""
     angles = [math.radians(azimuth) for azimuth in (one.azimuth, other.azimuth + 90.0) if math.isfinite(azimuth)]
     return bool(angles) and abs(math.sin(angles[0])) > abs(math.cos(angles[0]))
 

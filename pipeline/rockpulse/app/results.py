@@ -76,7 +76,7 @@ class ResultPart:
         ui.download(f"/files/{TABLE}")
 
     def _look(self) -> None:
-        """Show the progress of the command, and what the commands of any window have made."""
+        """Show the progress of the command, and the results of commands started in any window."""
         if self.project.assessed != self._assessed:
             self._assessed = self.project.assessed
             ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected

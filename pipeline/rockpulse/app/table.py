@@ -11,8 +11,8 @@ PAGE = 10
 class Table(ui.table):
     """A table in pages.
 
-    NiceGUI keeps the order and the page of a table on the server, and draws the whole window again for each change of
-    them. Here they are kept by the browser alone.
+    NiceGUI stores the order and the page of a table on the server, and redraws the whole window if either changes.
+    Here only the browser stores the order and the page.
     """
 
     pagination: Any = None  # what the browser reports; not a property of the table in the browser, as in the base class

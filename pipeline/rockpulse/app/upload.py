@@ -26,7 +26,7 @@ SEND = """async (event) => { event.preventDefault(); const faults = [], files = 
 
 
 def file_input(page: Window, label: str, kind: str, done: Callable[[], Awaitable[None]], folder: str = "") -> None:
-    """Show a file input, and one of a folder if it has a label; `done` is called after chosen or dropped files."""
+    """Show an input for files and, with the label `folder`, one for a folder; `done` is called after each upload."""
 
     async def sent(event: events.GenericEventArguments) -> None:
         page.sending = bool(event.args["sending"])

@@ -67,7 +67,7 @@ class Window:
     async def run(self, *arguments: str) -> None:
         """Run a command of rockpulse to its end, also if the window is closed.
 
-        Raises ValueError if another one is running, and Closed if it fails or is cancelled, which the progress shows.
+        Raises ValueError if another command is running, and Closed if this command fails or is cancelled.
         """
         command = self.project.command
         if command.running:
@@ -119,12 +119,12 @@ class Window:
         return ui.button(label, on_click=self.handler(work)).props("outline no-caps")
 
     def bin(self, label: str, work: Callable[..., Any]) -> None:
-        """Show a button with the icon of a bin that removes an item."""
+        """Show a button that removes an item; the icon of the button is a bin."""
         ui.button(icon="delete", on_click=self.handler(work)).props(f'flat dense color=secondary aria-label="{label}"')
 
 
 class Panel(ui.expansion):
-    """A panel whose content is made by `make` when it is first opened, as hidden inputs make the page slow."""
+    """A panel that makes its content with `make` when first opened, because hidden inputs slow down the page."""
 
     def __init__(self, page: Window, title: str, make: Callable[[], Any]) -> None:
         super().__init__(title, on_value_change=page.handler(self._opened))

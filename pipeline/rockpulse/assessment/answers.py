@@ -129,7 +129,7 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """Smallest and median scale factor that overturns a body, or their ratio to a demand [-]; inf if none was found."""
+    """Smallest and median scale factor of overturning, or smallest and median capacity/demand; inf if not found."""
 
     smallest: float
     median: float
@@ -207,7 +207,7 @@ class Answers:
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies): True if the scale factor is a lower bound, as the model gives no result there."""
+        """Mask (records, bodies): True if the scale factor is a lower bound, above which the model gives no result."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
@@ -227,13 +227,13 @@ class Answers:
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies) up to which no body overturns, or their ratio as in `ratios`."""
+        """Return the scale factors or capacity/demand (records, bodies) of `ratios` up to which no body overturns."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.of_demand("demand_factor", demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies), or their ratio to the scale factors to a demand."""
+        """Return the scale factors (records, bodies) or, with a `demand`, capacity/demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -264,7 +264,7 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion: a scale factor, or its ratio to that of a demand.
+        """Return the margin of every body, block or motion, in scale factors or, with a `demand`, in capacity/demand.
 
         For margins of bodies, motions with all directions in `left_out` (records, bodies) are excluded.
         """
@@ -337,7 +337,7 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Return the smallest scale factor at which a search ended without overturning; NaN if all found overturning."""
+    """Return the smallest scale factor at which a search ended without overturning; NaN without such a search."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 

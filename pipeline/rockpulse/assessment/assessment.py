@@ -111,7 +111,7 @@ class Assessment(Analysis):
         return empty_rows(self.bodies, self.config)
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the plan of all records or, if every demand has a table of records, of those in the tables."""
+        """Return the plan of all records or, if every demand has a table of records, of the records in these tables."""
         plan, tables = super().plan(records, failures), demand_selections(self.config)
         if not tables or len(tables) < len(self.config.demands):
             return plan
@@ -137,7 +137,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; ValueError if it has no intense phase, or if a model rejects it."""
+    """Assess all bodies under one record; raise ValueError if it has no intense phase, or if a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):

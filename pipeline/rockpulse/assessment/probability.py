@@ -73,7 +73,7 @@ def _near(factors: np.ndarray, config: Config) -> np.ndarray:
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return results (bodies, demands) of nominal bodies under the record scaled by `factors`, only if `near`."""
+    """Return results (bodies, demands) of nominal bodies under the scaled record; they are missing unless `near`."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
     found |= _no_ties((*near.shape, bodies.tie_count))
@@ -106,7 +106,7 @@ def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, n
 
 
 def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
-    """Return the share of each block's motion that requires more friction than it has, at given scale factors.
+    """Return the share of each block's motion that requires more friction than the block has, at the `factors`.
 
     NaN if the friction or scale factor is unknown, and for blocks beside a wall or with ties, loads or thrusts.
     """
@@ -166,7 +166,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
 
 def _spectra(record: Record, block: Block, config: Config) -> Iterator[tuple[np.ndarray, OverturningSpectrum]]:
-    """Yield the spectra from which P of slender bodies is read, each after the indices of these bodies."""
+    """Yield, for each group of slender bodies, the indices of the bodies and the spectrum that gives their P."""
     motion, uncertainty = (record.acceleration, record.dt), config.uncertainty.of_draws()
     if config.uncertainty.spectrum == "all":
         for side, between in SERVED.items():

@@ -128,14 +128,14 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks, each with the side to which it may fall under a record; one that may fall to both has a mirror image."""
+    """Blocks with the side to which each may fall under a record; a block that may fall to both has a mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
 
     @property
     def count(self) -> int:
-        """Number of blocks without the mirrored ones."""
+        """Number of blocks, without mirror images."""
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:

@@ -46,8 +46,8 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config, record: str = "") -> np.ndarray:
     """Return scale factors (blocks, demands) with which the channels' geometric mean intensity equals each demand.
 
-    For a demand with a table of selected records, the scale factor is read from its row `record` or, without such a
-    row, from the row of the first channel; NaN if the table has neither.
+    For a demand with a table of selected records, the scale factor is read from the row `record` of the table or,
+    without such a row, from the row of the first channel; NaN if the table has neither row.
     """
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))

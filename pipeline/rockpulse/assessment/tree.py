@@ -84,7 +84,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest value over axis 1, and its index (-1 if it is NaN).
 
-    If several values are inf, the index is that of the value with the smallest `first`.
+    Among several infinite values, the index of the value with the smallest `first` is returned.
     """
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
@@ -153,7 +153,7 @@ def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Join the parts of several records; the record indices in each part are shifted to their place in the whole."""
+    """Join the parts of several records; the index of the first record in the whole tree is `records_before`."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     joined = {}
     for path in parts[0]:

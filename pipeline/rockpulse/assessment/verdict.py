@@ -79,7 +79,7 @@ class Finding:
 
     @property
     def status(self) -> str:
-        """The verdict as a lower-case name: the name of the grade or, for some ROCKS, "no_margin" or "not_lifted".
+        """The grade as a lower-case name; at a demand, ROCKS may be replaced by "no_margin" or "not_lifted".
 
         "no_margin": capacity/demand is below 1; "not_lifted": no record lifts the nominal body.
         """
@@ -257,7 +257,7 @@ def _weakest(answers: Answers) -> float:
 
 
 def weak(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records,): True if the record lifts no body and has P = 0; all False if no record lifts one."""
+    """Return a mask (records,): True if the record lifts no body and has P = 0; all False if no record lifts a body."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.of_demand("demand_factor", demand)
@@ -333,7 +333,7 @@ def slides_first(answers: Answers) -> np.ndarray:
 
 
 def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
-    """Return the largest share of each body's motion, under motions in `kept`, that needs more friction than it has."""
+    """Return, for each body, the largest share of a motion in `kept` that requires more friction than the body has."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
     shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)

@@ -89,7 +89,7 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        """Exit as ArgumentParser does; the message suggests correct words for misspelt ones."""
+        """Exit as ArgumentParser does; the message suggests correct words for misspelt words."""
         super().error("".join([message, *self._hints(message)]))
 
     def _print_message(self, message: str, file: Any = None) -> None:

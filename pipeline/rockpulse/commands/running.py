@@ -51,12 +51,12 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that is not written further after an error, whose reason is kept in `failed`; the run continues."""
+    """A log file to which nothing is written after an error; `failed` contains the reason, and the run continues."""
 
     failed = ""
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Store the reason why a line could not be written, and write no further lines."""
+        """Store the reason why a line could not be written, and write no more lines."""
         fault = sys.exception()
         if not isinstance(fault, OSError):
             super().handleError(record)

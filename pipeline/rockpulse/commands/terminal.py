@@ -43,7 +43,7 @@ def interrupt(number: int, frame: object) -> NoReturn:
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` for standard error; the bar is shown on a terminal or the local page, unless `quiet`.
+    """Return ``tqdm.tqdm`` for standard error; a terminal and the page of ``rockpulse app`` show it unless `quiet`.
 
     Elsewhere the number of records, if it is large, is printed on one line before they are processed.
     """

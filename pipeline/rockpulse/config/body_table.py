@@ -53,7 +53,7 @@ class BodyColumns(NamedTuple):
 
 @cache
 def _keys() -> dict[str, str]:
-    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", and those of `SITE`."""
+    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", and keys of `SITE`."""
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
         entry = item.metadata.get("entries")
@@ -65,7 +65,7 @@ def _keys() -> dict[str, str]:
 
 
 def body_template() -> list[str]:
-    """Return the lines of an example table with two bodies, with a comment that lists all further columns."""
+    """Return the lines of an example table with two bodies, with a comment that lists all other columns."""
     others = [f"{name} [{unit}]" if unit else name for name, unit in _keys().items()]
     others = [one for one in others if one not in _TEMPLATE[0].split(",")]
     return [
@@ -79,8 +79,8 @@ def body_template() -> list[str]:
 def read_body_columns(path: str | Path) -> BodyColumns:
     """Read a table of bodies, with numbers converted to the units of the configuration.
 
-    Raises ConfigError if there is no such table, or if the heading of a column is a misspelt key, or lacks the unit of
-    the key, or has a wrong one.
+    Raises ConfigError if the table is missing, or if the heading of a column is a misspelt key, lacks the unit of the
+    key, or has a wrong unit.
     """
     table = _table(Path(path))
     unused, taken = [], {}

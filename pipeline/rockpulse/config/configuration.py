@@ -143,7 +143,7 @@ class Config:
 
     @cached_property
     def bodies_digest(self) -> str:
-        """SHA-256 of all keys of all bodies, except whether a size is confirmed; it is computed once."""
+        """SHA-256 of all keys of all bodies except `confirm_size`; the value is computed once."""
         return hashlib.sha256(repr([_facts_of(body) for body in self.bodies]).encode()).hexdigest()
 
     def as_text(self) -> str:
@@ -162,7 +162,7 @@ SECTIONS: dict[str, type[Section]] = {
 
 
 def _facts_of(entry: Section) -> list[Any]:
-    """Return the values of an entry and of the entries in it, except whether the user has confirmed its size."""
+    """Return the values of an entry and of its nested entries, except `confirm_size`."""
     facts: list[Any] = []
     for name, value in vars(entry).items():
         if isinstance(value, tuple) and value and isinstance(value[0], Section):
@@ -338,7 +338,7 @@ def section_of(cls: type[Section], values: Any) -> Any:
 
 
 def toml_key(item: dataclasses.Field[Any]) -> str:
-    """Return the TOML key of a field; for nested sections the last word of their heading, as in [[records.file]]."""
+    """Return the TOML key of a field; for a nested section, "file" in the heading [[records.file]]."""
     cls = item.metadata.get("entries")
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
 

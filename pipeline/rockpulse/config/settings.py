@@ -77,8 +77,8 @@ class RecordSettings(Section):
 
     `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
     defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]];
-    `pairs` the files that are the two components of a recording, in TOML [[records.pair]], and `pair_table` is a table
-    of them, which :class:`Config` reads into `pairs`.
+    `pairs` contains the two files of each recording with one file per component, in TOML [[records.pair]]; `pair_table`
+    is the file of a table of such pairs, which :class:`Config` reads into `pairs`.
 
     The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, e.g. 45 degrees
     for a façade that faces north-east. For a body that rocks to both sides, 45 and 225 degrees are the same.
@@ -245,7 +245,7 @@ class DemandSettings(Section):
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
     `selection` replaces measure and value: a table with the columns record and factor, as :func:`rockpulse.select`
-    makes it; each record is scaled by its own factor. `confirm_value` accepts a value above those of usual demands
+    makes it; each record is scaled by its own factor. `confirm_value` accepts a value above the usual demands
     (PGA 2 g, PGV 3 m/s, SI 5 m/s, Sa 6 g); without it such a value is rejected, as its unit is probably wrong.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")

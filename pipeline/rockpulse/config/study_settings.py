@@ -36,7 +36,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Return whether a value is a list of exactly `count` positive numbers, or of one or more if `count` is 0."""
+    """Return whether a value is a list of positive numbers: exactly `count` or, if `count` is 0, at least one."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -105,7 +105,7 @@ _LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _flo
 
 @dataclass(frozen=True)
 class UncertaintySettings(Section):
-    """The uncertainties behind the probability of overturning, and whether this probability is computed.
+    """The uncertainties in the probability of overturning, and whether this probability is computed.
 
     The probability is computed only with the nonlinear model. `restitution` has values of C divided by the nominal C:
     two limits of a uniform distribution, three or more measured values, or mean and deviation of a normal distribution.

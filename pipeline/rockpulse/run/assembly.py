@@ -90,7 +90,7 @@ def write_results(
     overwrite: bool,
     digest: str,
 ) -> int:
-    """Write the results of a run and return the number of records; if there are none, write no file."""
+    """Write the results of a run and return the number of records; if there are no records, write no file."""
     analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
@@ -115,11 +115,11 @@ def assemble(
     run: Mapping[str, str] | None = None,
     chunk: int = CHUNK,
 ) -> int:
-    """Write the same file as :func:`rockpulse.save`, but in parts; return the number of records.
+    """Write the same file as :func:`rockpulse.save`, but piece by piece; return the number of records.
 
     `template` is the tree of results without records. The `parts`, in the order of the rows, are read twice, first for
-    their sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or the
-    largest part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file
+    their sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or one
+    larger part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file
     exists (it is then not changed) or cannot be written.
     """
     if iter(parts) is parts:

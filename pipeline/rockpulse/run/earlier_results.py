@@ -109,7 +109,7 @@ def earlier_results(
 
 
 def check_appends(path: str | os.PathLike[str], config: Config, verb: str) -> None:
-    """Raise ConfigError if a results file has other options or was made by another program; the message lists them.
+    """Raise ConfigError with the differences if a results file was made with other options or by another program.
 
     Raises ResultsError for a damaged file, or a file that does not identify its records.
     """
@@ -194,7 +194,7 @@ def _blocks(
 
 
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
-    """Return a function of group and dimension; it returns each record's first row, and the end of the last record."""
+    """Return a function of group and dimension that returns the first row of each record, and the number of rows."""
     count = file.dataset("summary").sizes["record"]
 
     @cache

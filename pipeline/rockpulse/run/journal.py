@@ -283,7 +283,7 @@ class Journal:
         return frame
 
     def _keep(self, frame: Frame) -> None:
-        """Keep a frame of a task, without the parts of its head that all frames share, which saves memory."""
+        """Keep a frame of a task; to save memory, its head is reduced to the fingerprint and the failures."""
         own = {name: frame.head[name] for name in ("fingerprint", "failures")}
         self._kept[frame.head["key"]] = frame._replace(head=own)
 

@@ -21,7 +21,7 @@ from rockpulse.run.journal import Message
 
 @dataclass(frozen=True, slots=True)
 class SamplesLocation:
-    """Where the samples of one channel are stored (file, member of an archive, channel), with checksums."""
+    """The location of the samples of one channel (file, member of an archive, channel), with checksums."""
 
     path: str  # the file, or the zip archive
     member: int | None  # index of the file in the archive; None outside archives
@@ -32,7 +32,7 @@ class SamplesLocation:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples, and where its samples are stored; it takes little memory and can be pickled."""
+    """A record without its samples, and the location of its samples; it takes little memory and can be pickled."""
 
     record: Record  # zeros instead of the samples, in the memory of one number
     parts: tuple[SamplesLocation, ...]  # several for a record split over several files

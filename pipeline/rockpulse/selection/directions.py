@@ -70,7 +70,7 @@ class Motion:
 
     @property
     def pair(self) -> tuple[Record, ...]:
-        """Return the channels whose intensity is measured: both channels of a pair, or one if the other is unknown."""
+        """Return the channels whose intensity is measured: both channels of a pair, or the only known channel."""
         return self.channels if self.partner is None else (*self.channels, self.partner)
 
 
@@ -84,8 +84,8 @@ def plan_motions(
     """Return the channels and pairs to be assessed according to section [records], and failures of other channels.
 
     A channel without a pair is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a
-    value of an intensity measure, the other channel of its pair is kept with each single channel, as both
-    have the same scale factor. `twins` are the rejected duplicates, with which accepted records are compared.
+    value of an intensity measure, each single channel is kept together with the other channel of its pair, because both
+    channels have the same scale factor. `twins` are the rejected duplicates, with which accepted records are compared.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -166,7 +166,7 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Return the ids of the records in all directions, by the name of the pair; None if not a sweep over directions."""
+    """Return the ids of the records in all directions, by name of the pair; None without a sweep over directions."""
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 

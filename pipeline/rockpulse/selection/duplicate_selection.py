@@ -1,6 +1,6 @@
 """Duplicate selection: chooses the record to assess if several records contain the same ground motion.
 
-Records contain the same ground motion if they agree in station, time (overlap of at least half of the shorter one) and
+Records contain the same ground motion if they agree in station, time (overlap of at least half the shorter record) and
 direction (within 5 degrees); a pair that is rotated contains every direction. The choice is among recordings: a
 recording is the set of channels that one instrument recorded together.
 """

@@ -103,7 +103,7 @@ def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield every two of the indices `ends` whose records may be of one earthquake, and some others."""
+    """Yield all pairs of the indices `ends` whose records may be of one earthquake, and some other pairs."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
@@ -177,7 +177,7 @@ def _agree(one: Record, other: Record) -> bool:
 
 
 def _years(record: Record) -> set[int]:
-    """Return the years in the event title of a record; if none, the year of its time (two years if near New Year)."""
+    """Return the years in the event title of a record or, without any, the year of its time (two near New Year)."""
     found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
     moment = moment_of(record)
     if not found and moment is not None:
@@ -192,7 +192,7 @@ def words_of(title: str) -> frozenset[str]:
 
 
 def name_of(title: str) -> frozenset[str] | str:
-    """Return the words of a title that may name an earthquake; if none, the title if it contains a digit, else ""."""
+    """Return the words of a title that may name an earthquake or, without any, a title with a digit, otherwise ""."""
     return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 
@@ -259,7 +259,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """Return the earthquake of each record id, and a failure for ids in `named` that may be those of unread files."""
+    """Return the earthquake of each record id, and a failure for ids in `named` that may be in unread files."""
     ids = [record.id for record in records]
     failures = list(failures)
     failed = {row.place for row in failures if row.kind == "failed"}  # these have rows of their own
@@ -294,7 +294,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words; if there are several, the first alphabetically."""
+    """Return the most frequent title, preferably with words; of equally frequent titles, the first alphabetically."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

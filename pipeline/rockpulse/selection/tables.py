@@ -113,7 +113,7 @@ def demand_selections(config: Config) -> dict[str, dict[str, float]]:
 
 @lru_cache(maxsize=16)
 def _factors(path: Path, where: str, state: int) -> dict[str, float]:
-    """Return the scale factor of each record id in a table; it is cached, as it is needed for every record of a run."""
+    """Return the scale factor of each record id in a table; the result is cached for the other records of a run."""
     table = read_selection_table(path, where)
     if not table.by_factor:
         raise ConfigError(f"{where}: {path}: expected the column factor (scale factor of each record), found level")

@@ -224,7 +224,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """Return for each of (m,) blocks a sequence with the given demand; its impulses are zero if it is not `lifted`."""
+    """Return for each of (m,) blocks a sequence with the given demand; the impulses are 0 for blocks not `lifted`."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)

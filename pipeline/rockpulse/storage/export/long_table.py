@@ -72,7 +72,7 @@ class LongTable:
 
     @property
     def per(self) -> str:
-        """Return what a row represents, such as ", one per record x block"; empty if the rows are a plain list."""
+        """Return a phrase on the rows, such as ", one per record x block"; empty if the rows have no dimensions."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:

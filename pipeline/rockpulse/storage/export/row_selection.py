@@ -67,7 +67,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Return a mask of the values that meet the condition; raise ResultsError if it does not fit their type."""
+        """Return a mask of the values that meet the condition; raise ResultsError if the types do not match."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -129,7 +129,7 @@ class RowSelection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return the indices of the labels that match a pattern, or all if there are none; `what` is the kind of label."""
+    """Return the indices of the labels that match a pattern (all without patterns); `what` is the kind of label."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -166,7 +166,7 @@ def rows(
 ) -> tuple[dict[str, np.ndarray], int]:
     """Return the indices of the selected rows along each of `dims`, and their number before the limit is applied.
 
-    If a variable has further dimensions, at least one value along them must meet its condition. Rows are sorted by the
+    If a variable has other dimensions, at least one value along them must meet the condition. Rows are sorted by the
     smallest value (the largest if `descending`) that meets all conditions and `masks`.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]

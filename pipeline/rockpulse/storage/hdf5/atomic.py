@@ -112,7 +112,7 @@ def _check_name(path: Path) -> None:
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
-    """Raise ResultsError if the target exists and is no results file that may be replaced."""
+    """Raise ResultsError if the target exists and is not a results file that may be replaced."""
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found a folder or a device")
     if not overwrite:
@@ -139,7 +139,7 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
 
 
 def _kind(target: Path) -> str | None:
-    """Return the kind of a results file of any schema version; None if it is no results file."""
+    """Return the kind of a results file of any schema version; None if it is not a results file."""
     import h5py
 
     with target.open("rb") as file:

@@ -138,7 +138,7 @@ def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.nda
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Read the smallest block of values that contains all indices; return it, and the indices within it."""
+    """Read the smallest block of values that contains all indices; return the block, and the indices within it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:
@@ -152,7 +152,7 @@ def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variab
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Return the word for each value of a flag variable; empty if the variable is no flag."""
+    """Return the word for each value of a flag variable; empty if the variable is not a flag."""
     if "flag_meanings" not in variable.attrs:
         return {}
     values = np.atleast_1d(variable.attrs["flag_values"]).tolist()

@@ -44,7 +44,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
     ----------
     tree : xarray.DataTree
         Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
-        The root attribute `kind` is the kind of results; without it they are an assessment.
+        The root attribute `kind` is the kind of results; the default is an assessment.
     path : str or Path
         File to write.
     overwrite : bool

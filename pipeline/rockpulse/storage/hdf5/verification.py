@@ -193,7 +193,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each file of a sorted list with its SHA-256, with the error if it is unreadable, or None if missing."""
+    """Yield each file of a sorted list with its SHA-256, the error if it cannot be read, or None if it is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

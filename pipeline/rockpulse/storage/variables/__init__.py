@@ -100,7 +100,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables with the same dimensions; `by(name)` returns the function `take` for variables without one."""
+    """Declare variables with the same dimensions; `by(name)` returns `take` for variables declared without it."""
     found = {}
     for name, one in declared.items():
         found[name] = replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)

@@ -33,7 +33,7 @@ def _model(rows: Any) -> np.ndarray:
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
-    """Declare the index columns of a table of one record; in these the index of the record is 0."""
+    """Declare the index columns of a table of one record; the record index in these columns is 0."""
     return {
         "record_index": whole("index of the record in /summary", _column(table, _first_record)),
         "block_index": whole("index of the block in /summary", _column(table, lambda rows: rows.block)),

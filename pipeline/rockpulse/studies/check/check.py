@@ -45,7 +45,7 @@ class Rotations(NamedTuple):
 
 
 def rotations_of(peaks: np.ndarray) -> Rotations:
-    """Return the rotations to compare with the limits; `peaks` (n,) are the largest ones over alpha_c by record.
+    """Return the rotations to compare with the limits, from the largest |theta|/alpha_c under each record (n,).
 
     Examples
     --------
@@ -61,7 +61,7 @@ def rotations_of(peaks: np.ndarray) -> Rotations:
 
 
 def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
-    """Return the rotations of each body at a demand; of its restitutions, that with the largest ones is used."""
+    """Return the rotations of each body at a demand; of several restitutions, the worst one is used."""
     motions, far = answers.motions, too_far(answers, demand)
     kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
     fallen, rotation = nominal_motion(answers, demand)
@@ -86,7 +86,7 @@ def check_records(
     """Check the rotations of a body according to C8.7.1.2.1.9; the worse direction of rotation determines the result.
 
     The limits are those of the mechanisms `senses`, one for each direction of rotation. `assessed` are the mechanisms
-    to which the rotations belong, by default the same. `rule` is the clause on the number of records, for messages.
+    whose rotations were computed, by default `senses`. `rule` is the clause on the number of records, for messages.
     """
     statement = ""
     if rotations.records < FEWEST:
@@ -143,8 +143,8 @@ def check(
         Over (block): `multiplier` alpha_0 [-], `share` e* [-] and `initial_period` T_0 [s], 0 if the body is rigid
         until its mechanism opens. Over (block, code): `records`, the number of records; `activation` and
         `activation_demand` [m/s2] and their `activation_ratio`; `displacement` and `displacement_demand` [m], their
-        `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes; it is
-        that of the worse direction of rotation, named in `activation_sense` and `displacement_sense`. The code
+        `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes. Ratios
+        are for the worse direction of rotation, named in `activation_sense` and `displacement_sense`. The code
         "circolare_2019_records" has two columns, "records_slv" and "records_slc", followed by the name of the demand if
         there are several. If results are given, over (block), for the worst of several restitutions: `probability` of
         overturning; `factor_50`, the median over the records of the scale factor at P = 50 % (of a pair of channels, in
@@ -261,7 +261,7 @@ def _of_records(
     """Return the checks of the rotations of all bodies, by column; each demand and limit state has its own column.
 
     A demand whose name contains SLV or SLC is checked only for this limit state. The limits are those of the mechanisms
-    `found`. The rotations belong to the mechanisms `assessed`, whose strength is not divided by the confidence factor.
+    `found`. The rotations are those of `assessed`, whose strength is not divided by the confidence factor.
     """
     columns: dict[str, list[Checked]] = {}
     for demand in answers.demands:
@@ -279,7 +279,7 @@ def _of_records(
 def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np.ndarray]:
     """Return `probability`, `factor_50` and `beside` (the reason if these two are NaN) of m bodies, from the results.
 
-    `others` states for each body why the results describe a different body; the text is empty if they do not.
+    `others` states for each body why the results describe a different body; the text is empty for the same body.
     """
     beside = [why or ("" if answers.probable else "the results contain no probability") for why in others.values()]
     probability, factor = np.full((2, len(beside)), math.nan)
@@ -297,12 +297,12 @@ def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name; a body with pedestals has a further entry for each pedestal."""
+    """Return the bodies of a configuration by name; a body with pedestals has an additional entry for each pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
 def _others(answers: Answers, stored: str, config: Config) -> dict[str, str]:
-    """Return, for each body of a configuration, why the results describe a different body; empty if they do not."""
+    """Return, for each body of a configuration, why the results describe a different body; empty for the same body."""
     assessed = _bodies(config_from_text(stored))
     return {name: _why_not(name, answers, assessed.get(name), body) for name, body in _bodies(config).items()}
 

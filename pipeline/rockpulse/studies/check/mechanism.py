@@ -1,7 +1,7 @@
 """A body as the kinematic mechanism of the codes: weights and forces on a body that turns about a corner.
 
 .. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. At a rotation theta (small, as in
-   codes) a further unit of rotation moves W_i sideways by z_i and lifts it by x_i - z_i theta. The multiplier of the
+   codes) one more unit of rotation moves W_i sideways by z_i and lifts it by x_i - z_i theta. The multiplier of the
    horizontal forces is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i. The sum in the denominator is
    over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond their
    gap they resist with their yield force until they break. The displacement d_0 is computed without ties.
@@ -136,7 +136,7 @@ def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[For
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """Return the mechanisms towards theta > 0 and theta < 0; only one if they are equal or a wall prevents the other.
+    """Return the mechanisms towards theta > 0 and theta < 0; only one if both are equal or a wall prevents one.
 
     `block` may have several restitutions, which have no effect. If loads move with the block, `alone` is the body
     without them and `carried` lists them as separate weights. Raises ValueError for a tie without a yield force.

@@ -167,7 +167,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test sufficiency; for a group of several bodies only in dimensionless measures."""
+    """Fit all curves and test sufficiency; groups of several bodies are fitted only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

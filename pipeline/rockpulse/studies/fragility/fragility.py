@@ -219,7 +219,7 @@ def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
-    """Return each dispersion over that of the reference measure, with limits, as (3, groups, states, measures)."""
+    """Return each dispersion divided by that of the reference measure, with limits (3, groups, states, measures)."""
     table = np.full((3, *fits.curves.shape), np.nan)
     if REFERENCE in measures:
         column = list(measures).index(REFERENCE)

@@ -162,7 +162,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the maximum-likelihood parameters (q, k) of q data sets, the rows of `weights` (q, n); or NaN."""
+    """Return maximum-likelihood parameters (q, k) of q data sets, the rows of `weights` (q, n); NaN if none exist."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

@@ -118,9 +118,9 @@ def motion_capacity(
     stripe, or for each row of the record in a `selection`. An incremental analysis ends at the limits of ``[fragility]
     factors``; stripes beyond these limits are unknown.
 
-    With a body beside a wall, the arrays have two rows, for the record and its reverse, two observations of one
-    earthquake. Raises ValueError if the record has no intense phase or the model rejects it, TooWeak if its PGA is too
-    small or it is not in the selection.
+    If a body is beside a wall, the arrays have two rows, one for the record and one for its reverse; both are of one
+    earthquake. Raises ValueError if the record has no intense phase or the model rejects the record, and TooWeak if the
+    PGA of the record is too small or the record is not in the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)

@@ -114,7 +114,7 @@ class PowerLawHazard(_Hazard):
 
     @property
     def knots(self) -> np.ndarray:
-        """Logarithms of the levels at which the log-log slope changes; empty, as it is constant."""
+        """Logarithms of the levels at which the log-log slope changes; empty, because the slope is constant."""
         return np.zeros(0)
 
     @property
@@ -318,7 +318,7 @@ class SiteHazards:
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazards; NaN if it is not the same for all of them."""
+        """First and last level of the hazards; a level that differs between hazards is NaN."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
@@ -346,7 +346,7 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate of exceedance of levels (m, ...), given as ln of SI values, by body."""
+        """Return, by body, ln of the annual rates of exceedance of levels (m, ...), given as ln of SI values."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:

@@ -66,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, and a warning with its distance; ConfigError if too far."""
+        """Return the row of the point nearest to a site, and a warning with its distance; ConfigError beyond 50 km."""
         if self.places is None:
             if site is None:
                 return 0, ()

@@ -37,7 +37,7 @@ CAPACITY = np.arange(-60.0, 40.0, STEP)
 
 
 class Integral(NamedTuple):
-    """An annual frequency, and the contribution of each level to it."""
+    """An annual frequency, and the contribution of each level to this frequency."""
 
     frequency: float  #: [1/year]; inf if the integral diverges at low levels
     log_level: np.ndarray  #: (n,) logarithms of the levels

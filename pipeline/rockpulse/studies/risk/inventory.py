@@ -69,7 +69,7 @@ class BodyCurves(NamedTuple):
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
         """Return, for each body and record, the index of the interval between stored levels that contains a level.
 
-        For a level outside all intervals, it is the index of the nearest one.
+        For a level outside all intervals, the index of the nearest interval is returned.
         """
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)

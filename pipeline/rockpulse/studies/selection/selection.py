@@ -234,7 +234,7 @@ class SpectrumSet(NamedTuple):
 
 
 def own_factors(ratios: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Return, for each row of `ratios`, the scale factor that makes its mean 1; NaN if it is outside the bounds."""
+    """Return the scale factor that makes the mean of each row of `ratios` 1; NaN for scale factors outside `bounds`."""
     with np.errstate(divide="ignore"):
         factors = 1.0 / ratios.mean(axis=1)
     return np.where((factors >= bounds[0]) & (factors <= bounds[1]), factors, np.nan)
@@ -251,8 +251,8 @@ def fitting_set(
     """Return the set of `count` spectra whose mean is nearest to the target, from (m, k) `ratios` of spectra to it.
 
     At least `count` spectra, at most `per_event` of each earthquake, must have a scale factor within the bounds. All
-    scale factors are multiplied by a number that centres the deviations from the target, unless only another number
-    keeps them within the `tolerance` below and above it.
+    scale factors are multiplied by the number that centres the deviations from the target, or by the nearest number
+    with which all deviations are within the `tolerance` (below and above the target), if there is such a number.
     """
     own = own_factors(ratios, bounds)
     usable = np.flatnonzero(np.isfinite(own))
@@ -291,7 +291,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Exchange one member at a time, always for the smallest spread, until none reduces it; return the members."""
+    """Exchange one member at a time for the smallest spread, until no exchange reduces it; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

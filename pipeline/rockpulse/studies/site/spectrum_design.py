@@ -1,6 +1,6 @@
 """Design spectrum of a site (predictive quantiles of overturning spectra over earthquakes), and sequences of bodies.
 
-.. note:: At every p and C the probability that a further earthquake exceeds the design spectrum is 1 - quantile
+.. note:: At every p and C the probability that another earthquake exceeds the design spectrum is 1 - quantile
    (:func:`rockpulse.earthquakes.record_quantiles`). The intervals are from resampling earthquakes. With fewer than
    1/(1 - quantile) earthquakes there is no design spectrum. I_s/I, dT and the number of main impulses are the weighted
    medians of the sequences of the records (:func:`rockpulse.record_sequence`).
@@ -123,7 +123,7 @@ def empty_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Return how many earthquakes a quantile requires: at least five, and enough that one lies beyond the quantile."""
+    """Return how many earthquakes a quantile requires: the largest of 5, 1/quantile and 1/(1 - quantile)."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 

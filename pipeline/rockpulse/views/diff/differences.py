@@ -181,7 +181,7 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """Return why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
+    """Return why two variables cannot be compared (units, flags, dimensions or type); otherwise an empty text."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -273,7 +273,7 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return those indices of `places` at which a ratio crossed 1."""
+    """Return the indices in `places` at which a ratio crossed 1."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 

@@ -154,7 +154,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """Return, for each row, the index of its record, body or model among those that both files contain; else -1."""
+        """Return, for each row, the index of its record, body or model among the names in both files; -1 for others."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)

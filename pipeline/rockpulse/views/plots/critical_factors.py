@@ -39,7 +39,7 @@ def overturning_map(
     ax: Axes | None = None,
     most: int = factor_rows.ROWS,
 ) -> Axes:
-    """Draw the intervals of scale factors in which bodies overturn, and those between them in which they survive.
+    """Draw the intervals of scale factors in which bodies overturn, and the intervals in which they survive.
 
     If intervals of overturning were not searched, the scale factors at P = 10 % and P = 50 % are drawn. Rows without a
     scale factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale
@@ -50,8 +50,8 @@ def overturning_map(
     tree : xarray.DataTree
         Results of an assessment.
     record, block : str, optional
-        Give one of them: a row is drawn for every body (and restitution) under the record, or for every record on the
-        body. Neither is needed if there is only one record.
+        Give `record` for a row per body (and restitution), or `block` for a row per record. Neither is needed if there
+        is only one record.
     model : str, optional
         By default the most complete model of the results.
     ax : matplotlib Axes, optional

@@ -111,7 +111,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def has_spectra(tree: xr.DataTree) -> bool:
-    """Return whether an assessment has overturning spectra, or P for so few records that they can be computed."""
+    """Return whether overturning spectra are stored or, with P and accelerograms of few records, can be computed."""
     if "spectra" in tree.children:
         return True
     probability = tree["summary"].to_dataset()["overturning_probability"].values

@@ -50,7 +50,7 @@ def drawn_rows(
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the tick of each drawn row; NaN if it combines rows with different ticks."""
+    """Return the tick of each drawn row; NaN for a row that combines rows with different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -98,12 +98,12 @@ def factors_to_demands(
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """Return the smallest scale factor for any demand, or `otherwise` if that is smaller."""
+    """Return the smallest scale factor for any demand, but at most `otherwise`."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw in each row a tick at the scale factor for each demand; ticks after the first demand are shorter."""
+    """Draw in each row a tick at the scale factor for each demand; the first demand has the longest ticks."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}

@@ -39,7 +39,7 @@ def limit_accelerogram(
     -------
     (2,) ndarray of Axes
         The main sequence alone (Figure 1 of the paper), and with the secondary sequence (Figure 2). The last of
-        ``ax.lines`` are bars, one for each half-cycle of the block, with its largest abs(theta)/alpha_c as a number.
+        ``ax.lines`` are bars, one for each half-cycle of the block, labelled with the largest abs(theta)/alpha_c.
 
     Examples
     --------

@@ -127,8 +127,8 @@ def histories(
     record, block : str, optional
         Names; not needed if there is only one.
     models : sequence of str, optional
-        Any of nonlinear, linear, impulsive, sequence and resonance. The first three use the record; by default
-        those of the three that are in the results. A model without a result (UNRESOLVED) has an empty history and a
+        Any of nonlinear, linear, impulsive, sequence and resonance. The first three use the record and are the
+        default, if the results contain them. A model without a result (UNRESOLVED) has an empty history and a
         warning.
     case : int
         Number of the restitution, from 1.
@@ -300,7 +300,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Return the motion at each scale factor; of the responses in `found`, the one with the largest rotation."""
+    """Return, for each scale factor, the motion from the response in `found` with the largest rotation."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []

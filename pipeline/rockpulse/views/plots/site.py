@@ -32,8 +32,8 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     Returns
     -------
     (1,) or (2,) ndarray of Axes
-        The spectra, and the main impulse over I_s/I with which a sequence overturns the body with the largest main
-        impulse at the same scale factor, for several N; without a design spectrum only the spectra.
+        The spectra and, if there is a design spectrum, the main impulses I that overturn the body with the largest I
+        at its design scale factor, as functions of I_s/I for several N.
 
     Examples
     --------

@@ -65,7 +65,7 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
 
 
 def svg(figure: Figure, name: str | None = None) -> str:
-    """Return the figure as an `<svg>` element for an HTML page that may contain others.
+    """Return the figure as an `<svg>` element for an HTML page that may contain other pictures.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ _CYCLE = [
 
 
 def look(name: str) -> Look:
-    """Return the style of the curves of a model; `name` is its name in the results."""
+    """Return the style of the curves of a model; `name` is the name of the model in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
@@ -188,7 +188,7 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Return whether rockpulse made the figure of the Axes: only then are its title and margins set."""
+    """Return whether rockpulse made the figure of the Axes; other figures keep their title and margins."""
     return whole_figure(ax).get_label() == _OURS
 
 

@@ -73,7 +73,7 @@ def page_content(
 ) -> SimpleNamespace:
     """Collect the data of the page from the results and, if given, from a site file, a fragility file and code checks.
 
-    `checked` is the name of the file of the spectrum if this file is missing, so that checks could not be made. `full`
+    Instead of code checks, `checked` may be the name of the file of their spectrum if this file is missing. `full`
     adds the configuration and the SHA-256 of the input files.
     """
     answers = answers_of(tree)
@@ -149,7 +149,7 @@ def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> Rep
 def code_checks(
     tree: xr.DataTree, config: Config | None = None, code: str | Sequence[str] | None = None
 ) -> xr.Dataset | str | None:
-    """Return the code checks of the bodies, with the section [check] of `config`, or of the results if it has none.
+    """Return the code checks of the bodies, with [check] of `config` if it gives a spectrum, else of the results.
 
     Returns None if no spectrum or no body is given, or the name of the spectrum file if this file does not exist.
     If a `code` is requested, a missing spectrum or body raises ConfigError.

@@ -260,7 +260,7 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability of overturning at a scale factor, as stored; without a stored value, from the curve."""
+    """Return the stored probability of overturning at a scale factor or, if none is stored, the value of the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability

@@ -38,8 +38,8 @@ def _option() -> re.Pattern[str]:
 def plain_words(words: str, folders: tuple[str, ...] = (), names: tuple[str, ...] = ()) -> str:
     """Return a text without folders and advice on options of the program; other keys are replaced by their meaning.
 
-    Advice is a parenthesis, a sentence or, after a semicolon, a part of one that names an option. Names that the user
-    gave are kept.
+    A sentence, a part of a sentence after a semicolon, or a parenthesis is advice if it names an option. Names that
+    the user gave are kept.
 
     >>> plain_words("the mean was subtracted; set [conditioning] baseline to keep it")
     'the mean was subtracted'

@@ -30,7 +30,7 @@ IN_A_MAP = 20
 
 @dataclass(frozen=True)
 class PageElement:
-    """An `<svg>` element with its caption; if it could not be drawn, it is empty and ``words`` states the reason."""
+    """A picture as an `<svg>` element with its caption; if it cannot be drawn, ``words`` states the reason."""
 
     svg: Markup
     words: str
@@ -97,7 +97,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> PageElement | None:
-        """Return the rotation of a body under its worst record, in the model of the verdict; None if it is unknown."""
+        """Return the rotation of a body under its worst record, in the model of the verdict; None if unknown."""
         next(self._steps, None)
         own = [one for one in self._found if one.body.place == block and one.recorded.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
@@ -178,7 +178,7 @@ def _spectra(tree: xr.DataTree, restitution: float) -> Axes:
 
 
 def _bare(ax: Axes) -> Axes:
-    """Remove title and small print from the figure of the Axes, as the page shows them as text."""
+    """Remove title and small print from the figure of the Axes, because the page shows both as text."""
     figure = ax.get_figure(root=True)
     assert figure is not None
     figure.suptitle("")

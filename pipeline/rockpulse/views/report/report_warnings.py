@@ -1,4 +1,4 @@
-"""The warnings of the report in three grades: those that may change a verdict, limit its use, or explain it."""
+"""The warnings of the report in three grades: warnings that may change a verdict, limit its use, or explain it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

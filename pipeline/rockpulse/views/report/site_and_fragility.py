@@ -42,7 +42,7 @@ NAMED = 6
 
 @dataclass(frozen=True, eq=False)
 class MatchedFile:
-    """A site or fragility file in the report: its data for bodies of the results, and how it differs from them."""
+    """A site or fragility file in the report: its data for bodies of the results, and differences from the results."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies only in the results

@@ -126,7 +126,7 @@ def _of_codes(checked: xr.Dataset | None, block: str) -> tuple[Cell, str]:
 
 
 def _action(answers: Answers, one: BodyVerdict, failed: str) -> str:
-    """Return what should be done about a body, as one short line; `failed` are the names of codes that it fails."""
+    """Return the recommended action for a body, as one short line; `failed` are the names of codes that it fails."""
     found, place = one.deciding, one.body.place
     known = Known(answers.summary, block=one.body.block)
     key = found.status
@@ -253,7 +253,7 @@ def acceleration_in_words(value: float) -> str:
 def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = False) -> Table:
     """Return the table of the bodies; the worst verdict comes first.
 
-    Each body has one row, for its governing demand and restitution; with `every`, a row for each of them.
+    Each body has one row, for its governing demand and restitution; with `every`, one row per demand and restitution.
     """
     ordered = sorted(found, key=by_severity)
     worst = {one.body.place: one for one in reversed(ordered)}

@@ -114,8 +114,8 @@ def report(
     language : str
         Language of texts and numbers: "en" or "it".
     config : Config or path, optional
-        Configuration whose author, client, project and logo ([report]) replace those in the results, and whose [check],
-        if it gives a spectrum, replaces theirs.
+        Configuration whose author, client, project and logo ([report]) and, if it gives a spectrum, whose [check]
+        replace the values in the results.
     full : bool
         Whether to add the configuration, the SHA-256 of the input files and of the files of results, and their folders.
     code : str or sequence of str, optional

@@ -32,7 +32,7 @@ def stored_uncertainty(answers: Answers) -> str:
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of scale factors; `swept` is true if each is the smallest over all directions of a pair."""
+    """Explain the columns of scale factors; with `swept`, each value is the smallest over all directions of a pair."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]

@@ -155,7 +155,7 @@ class Known(RecordFacts):
 
     @property
     def crushing(self) -> dict[str, str]:
-        """Return depth of crushing and critical angle with and without it, as texts by name; empty without crushing."""
+        """Return depth of crushing, and critical angle with and without crushing, as texts; empty without crushing."""
         hinge = self.real("hinge_depth")
         if not hinge > 0.0:
             return {}

@@ -150,7 +150,7 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 
 def unexplained(cell: Cell) -> Cell:
-    """Return the cell with the same marks, which then add no note below the table."""
+    """Return the cell with marks that add no note below the table."""
     return cell._replace(marks=tuple(CellMark("", mark.text, mark.before) for mark in cell.marks))
 
 

@@ -34,7 +34,7 @@ _MEANINGS = (
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
-    """Return the columns after the names of the bodies; if there are demands, all columns refer to a demand."""
+    """Return the columns that follow the names of the bodies; if there are demands, all columns refer to a demand."""
     if answers.motions.kind == "sequence":
         return col.columns("verdict", "smallest_safety_factor")
     sliding = ("sliding",) if any(map(_may_slide, rows)) else ()
@@ -138,7 +138,7 @@ ANCHORS = 8
 
 
 def tie_table(answers: Answers, found: Sequence[BodyVerdict], record: Callable[[int], Cell]) -> Table | None:
-    """Return a row for each tie and demand, and below it the demands on each anchor; None if there are no ties.
+    """Return a table with a row for each tie and demand, and notes on the anchors; None if there are no ties.
 
     `record` returns the cell with the name of a record, given by its row in /summary.
     """

@@ -110,7 +110,7 @@ def counted_words(count: int, noun: str) -> str:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return the first `most` names as a list in words, followed by the number of further names."""
+    """Return the first `most` names as a list in words, followed by the number of the other names."""
     first = ", ".join(names[:most])
     return first if len(names) <= most else say("and_more", names=first, count=len(names) - most)
 
@@ -184,7 +184,7 @@ def warnings_of(stored: str) -> list[str]:
 def result_text(text: str, code: str = "") -> str:
     """Translate an English text of the results to the current language; `code` is its warning code, if it has one.
 
-    A name or a note of the user stays as it is. An English warning without a translation is replaced by the statement
+    The user's names and notes stay unchanged. An English warning without a translation is replaced by the statement
     that the results contain it.
     """
     found = _result(language(), str(text), code)
@@ -192,7 +192,7 @@ def result_text(text: str, code: str = "") -> str:
 
 
 def reason_words(text: str, field: str = "reason") -> str:
-    """Translate a reason, as a whole or its parts between semicolons, to the current language.
+    """Translate a reason to the current language, as a whole if possible, otherwise in its parts between semicolons.
 
     Parts without a translation are replaced by the words for `field`, or for advice, in the section [other].
     """
@@ -212,7 +212,7 @@ def error_words(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _result(of: str, text: str, code: str) -> str | None:
-    """Translate a text of the results to the language `of`, the current one; None if it has no translation."""
+    """Translate a text of the results to the current language, `of`; None if the text has no translation."""
     if of == "en" or not text:
         return text
     first, _, inner = code.partition("/")
@@ -228,7 +228,7 @@ def _templates(of: str) -> dict[str, str]:
 
 
 def _filled(text: str, templates: Mapping[str, str], inner: str = "", strict: bool = False) -> str | None:
-    """Return the translation of the first template that matches a text, with the fields of the text; None without one.
+    """Return the translation of the first template that matches a text, with the fields of the text, or None.
 
     With `strict`, a template whose fields would contain English is left out.
     """
@@ -265,7 +265,7 @@ def _fixed(template: str) -> tuple[str, ...]:
 
 @cache
 def _pattern(template: str, strict: bool) -> re.Pattern[str]:
-    """Return a pattern for all texts made from a template; its named groups are the fields, short ones if `strict`."""
+    """Return a pattern for all texts made from a template; its named groups are the fields, restricted if `strict`."""
     pattern = ""
     for text, name, form, _ in Formatter().parse(template):
         field = _NUMBER.pattern if form else _FIELDS.get(name or "", _FIELD) if strict else ".*?"

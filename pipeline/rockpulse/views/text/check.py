@@ -55,7 +55,7 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
 
 
 def check_table(check: xr.Dataset, order: Sequence[str]) -> Table:
-    """Return the result of :func:`rockpulse.check` as a table: a row for each body, in `order`, and each code."""
+    """Return the result of :func:`rockpulse.check` as a table with a row for each body (in `order`) and code."""
     checked = check.sel(block=list(order)).stack(row=("block", "code"))
     table = tabulated("code-checks", check_title(check), _columns(_of_records(check)), checked)
     titles = iter((say("check.code"), say("check.outcome"), say("check.outcome")))

@@ -96,7 +96,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table with the dispersion for every measure, as text; the smallest of each limit state is marked."""
+    """Return a table with the dispersion for every measure, as text; the smallest for each limit state is marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:

@@ -171,7 +171,7 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """Return a mask (block, case) of the restitutions of each body that differ from its earlier ones."""
+    """Return a mask (block, case) of all restitutions of each body or, if they are equal, of the first one only."""
     distinct = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
         distinct[body.place, body.case] = True

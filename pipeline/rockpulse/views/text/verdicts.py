@@ -88,7 +88,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return a table as text, in which the bodies follow below each record; `table` contains the further cells."""
+    """Return text with a line for each body below each record; `table` has the cells after the name and the demand."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -108,7 +108,7 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return, as text, the records that overturn each body and their number in every model, below the text `files`."""
+    """Return, as text, the records that overturn each body, their number in every model, and the note `files`."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # P already accounts for bodies that survive by chance although a smaller scale factor overturns them.
