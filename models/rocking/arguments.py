@@ -26,7 +26,7 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Return positive, finite numbers in `unit` as an array; raise ValueError for other values, as :func:`numbers`."""
+    """Return positive, finite numbers in `unit` as an array; raise ValueError for other values, see :func:`numbers`."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")

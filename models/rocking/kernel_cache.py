@@ -108,7 +108,7 @@ class KernelCache(NullCache):
                 raise ValueError("damaged")
             stored, parts = pickle.loads(content[CHECKSUM:])
             if stored != key:
-                raise ValueError("those of another kernel")
+                raise ValueError("for another kernel")
             return CompileResult._rebuild(target_context, *parts)
         except FileNotFoundError:
             _announce()
@@ -132,7 +132,7 @@ class KernelCache(NullCache):
             _warn_not_stored(error)
             return
         if self.fault:
-            logger.warning("%s: compiled kernels were %s and have been replaced", folder(), self.fault)
+            logger.warning("%s: a file of compiled code was %s and has been replaced", folder(), self.fault)
 
     def _key(self, sig: object, codegen: Any) -> tuple[str, ...]:
         """Return the key that identifies a file: module, kernel, signature, and processor with its features."""

@@ -129,7 +129,7 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
 
 
 def spread(call: Callable[[Item, int], Found], items: Sequence[Item], threads: int | None) -> Iterator[Found]:
-    """Yield ``call(item, inner)`` for each item in order, computed in threads; `inner` is the threads of each call."""
+    """Yield ``call(item, inner)`` for each item in order, computed in threads; each call may use `inner` threads."""
     threads = _allowed(threads)
     if threads == 1 or len(items) < threads:
         yield from (call(item, threads) for item in items)

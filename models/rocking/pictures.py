@@ -128,7 +128,7 @@ def shortened_line(text: str) -> str:
 
 
 def short_repr(thing: Any) -> str:
-    """Return a one-line repr of a dataclass (without fields equal to defaults) or a named tuple, arrays by shape."""
+    """Return one line for a dataclass (without fields equal to defaults) or a named tuple; arrays show their shape."""
     if isinstance(thing, tuple):
         known = thing._asdict()  # type: ignore[attr-defined]
     else:

@@ -109,7 +109,7 @@ class Response(LaneValues, Shown):
     half_cycles : HalfCycles or None
         The table of the sequence models.
     ground_contact : bool or ndarray or None
-        Sequence model only: True if a half-cycle of the corrected march passes through the ground before its end
+        Sequence model only: True if a half-cycle with the corrected interval passes through the ground before its end
         (spacing "start" above I_s/I = 2/3, "middle" above 6/7). The closed form, which uses only the end, is then not a
         possible motion, and the impulse train gives another result.
     active_samples : int or ndarray or None

@@ -278,7 +278,7 @@ class Block(BlockLanes):
         log: bool,
         hinge: ArrayLike = 0.0,
     ) -> None:
-        """Set all fields; `shape` is "rectangle", "general", "own" (given by p and radius) or "unknown" (by p only)."""
+        """Set all fields; `shape` is "rectangle", "general", "own" (p and radius given) or "unknown" (only p given)."""
         ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
         restraints, mass = restraints_and_mass
         alone = {"size": first.alpha, "restitution": ratios[0]}

@@ -117,7 +117,7 @@ class BlockLanes(LaneValues, Shown):
         return other.changed(restraints=mirrored if self.shape else mirrored[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """Return a copy with angles times exp(-loss) and right-hand C `restitution`, the other C in proportion."""
+        """Return a copy with angles times exp(-loss) and C = `restitution` (right corner; the left C in proportion)."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution

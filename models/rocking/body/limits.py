@@ -31,7 +31,7 @@ class Corner(NamedTuple):
 
 
 def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
-    """Return a corner at the horizontal distance `near` from the centre of mass; `far` belongs to the other one [m]."""
+    """Return the corner at a distance `near` [m] from the centre of mass; the other corner is at the distance `far`."""
     square = near**2 + height**2
     most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
     p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
@@ -134,7 +134,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """Return C of an impact, given as a number or as "housner" (its bound `most`); `own` selects the error message."""
+    """Return C from a number or "housner" (the bound `most`); `own` is True if p and radius are given."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -155,7 +155,7 @@ def restitutions_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return C for both corners, or the rebound e for a body beside a wall.
 
-    `most` holds the largest C allowed at each corner, and `wall` is (one_sided, rebound); errors state the `shape`.
+    `most` holds the largest C allowed at each corner, `wall` is (one_sided, rebound), `shape` is as in `Block._finish`.
     """
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):

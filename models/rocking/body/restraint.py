@@ -21,7 +21,7 @@ SLIP = 1e-3
 
 
 def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]]) -> None:
-    """Raise ValueError if a field is below its minimum; `limits` is (minimum, inclusive, unit) by field."""
+    """Raise ValueError if a field is below its minimum; `limits` is (minimum, whether it is allowed, unit) by field."""
     for name, (least, equal, unit) in limits.items():
         given = getattr(values, name)
         expected = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()

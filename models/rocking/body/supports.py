@@ -120,8 +120,8 @@ def floor_motion(
         For each mode: period [s], damping ratio [-] in (0, 1), and participation factor Gamma times mode shape phi at
         the floor [-], which may be negative; 1 for a building with a single mode.
     quiet : float
-        Acceleration [m/s2] below which the oscillations after the record are cut off; a thousandth of g tan(alpha) of a
-        body omits no motion that could lift it.
+        Acceleration [m/s2] below which the oscillations after the record are cut off; at a thousandth of g tan(alpha)
+        of a body, no motion that could lift the body is cut off.
 
     Returns
     -------

@@ -165,10 +165,10 @@ def _condition(half, count, spacing, s):
 def corrected_duration(velocity, secondary, count, spacing):
     """Return the duration T of a half-cycle (times p), the smallest T with x(T) = 0; inf if the block overturns.
 
-    It is 2 t with the root t of F(t) = target (module docstring). The root atanh(v) of the continuous limit is a lower
-    bound of the roots for "end", "middle" and "open"; if it does not exist, they have no root. Their F is concave with
-    one maximum: Newton's iteration from the lower bound rises up to the smaller root, or passes the maximum (F' <= 0)
-    if there is no root. F of "start" increases to 1 + s: its root is bracketed.
+    T is 2 t, where t is the root of F(t) = target (module docstring). For "end", "middle" and "open" the root atanh(v)
+    of the continuous limit is a lower bound of t; for v >= 1 there is no root. F is concave with one maximum: Newton's
+    iteration from the lower bound rises up to the smaller root, or passes the maximum (F' <= 0) if there is no root.
+    For "start" F increases to 1 + s: its root is bracketed.
     """
     s = 0.5 * secondary
     target = velocity - s
@@ -240,8 +240,8 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 def stays_bounded(main, ratio, restitution):
     """Return whether a block survives an endless main sequence, u_1 = `main`, with continuous secondary impulses.
 
-    It does if v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1, with `ratio` I_s/I. At equality it survives, because the
-    limit is never reached; a tolerance allows for the rounding of u_1 and 1 - C.
+    The block survives if v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1, with `ratio` I_s/I. It survives at v* = 1,
+    because v* is never reached. A tolerance allows for the rounding of u_1 and 1 - C.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False
@@ -257,7 +257,7 @@ _TRIAL_LIMIT = 1_000_000
 
 @njit()
 def _first_wait(spacing, interval):
-    """Return the time from the main impulse to the first secondary one."""
+    """Return the time from the main impulse to the first secondary impulse."""
     if spacing == START:
         return 0.0
     return 0.5 * interval if spacing == MIDDLE else interval
@@ -268,7 +268,7 @@ def first_return(velocity, secondary, interval, spacing):
     """Return the time T* (times p) of the first return with the trial `interval` dT; inf if the block does not return.
 
     With the growing mode y = x - 1 + x' and a = `secondary`: if y >= 0 after an impulse towards the ground, the next
-    one, away from it, makes y at least a, and y exp(dT) - a is never negative after that, so there is no return.
+    one, away from the ground, makes y at least a, and y exp(dT) - a is never negative after that: there is no return.
     """
     rotation, elapsed, push, wait = 0.0, 0.0, -secondary, _first_wait(spacing, interval)
     for _ in range(_TRIAL_LIMIT):

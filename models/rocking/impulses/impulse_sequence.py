@@ -103,7 +103,7 @@ class ImpulseSequence(Shown):
         return np.shape(self.main)
 
     def scaled(self, factor: ArrayLike) -> Self:
-        """Return the sequence with both impulses multiplied by a scale factor, or (q,) sequences for (q,) of them."""
+        """Return the sequence with both impulses times a scale factor, or (q,) sequences for (q,) scale factors."""
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
@@ -120,7 +120,7 @@ class ImpulseSequence(Shown):
         -------
         float or (q,) ndarray
             I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C), N the `main_count`;
-            without it the supremum over N, at which the block just survives.
+            without a `main_count` the supremum over N, at which the block just survives.
 
         Raises
         ------
@@ -160,7 +160,7 @@ class ImpulseSequence(Shown):
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the main and the secondary impulses of two half-cycles of the first sequence: (k, 2) times and sizes.
 
-        Times begin at the first main impulse and are divided by dT [-]; sizes [m/s] are negative if opposite to it.
+        Times, divided by dT [-], are from the first main impulse; sizes [m/s] opposite to this impulse are negative.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))

@@ -81,7 +81,7 @@ def impulsive_response(
     abs(dy_i) exp(-p (t_i - t)), or y >= 0 after the last one, with y = s theta/alpha_c - 1 + s theta'/(p alpha_c) the
     growing mode. A block whose half-cycles all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest there.
     Within 1e-9/p of an impact, an impulse that drives the block into the ground acts after the impact ("right after
-    the impact", section 2), one that opposes the motion before it.
+    the impact", section 2); an impulse that opposes the motion acts before.
 
     Examples
     --------

@@ -156,7 +156,7 @@ def _start_at_edge(restitution, ratio, half_cycle):
 
 @njit(_nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Write the smallest scale factor that overturns each block, I_Nc/I with its last possible half-cycle N."""
+    """Write the smallest scale factor that overturns each block: I_Nc/I, where N is the last possible half-cycle."""
     for lane in range(first_lane, last_lane):
         c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
         if end != np.inf:
@@ -168,7 +168,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Return lower and upper scale factors (2, k) of ranges in which a block overturns; `end` is multiplied by p."""
+    """Return lower and upper scale factors (2, k) of ranges in which a block overturns; `end` is in units of 1/p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
@@ -330,7 +330,7 @@ def resonance_safety(
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the shape (q, m), which of its axes come from single values, and the arrays for a kernel."""
+    """Return the shape (q, m), whether the impulse and the block are scalars, and the arrays for a kernel."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")

@@ -248,7 +248,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
 
 
 def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return times of secondary impulses after the main one, and sizes divided by I_s, positive if opposite to it."""
+    """Return times and sizes/I_s of the secondary impulses after a main impulse; positive sizes oppose the main one."""
     if sequence.spacing == "continuous":
         return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
     order = np.arange(1, table.impulse_count[row] + 1)

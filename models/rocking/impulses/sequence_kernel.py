@@ -165,7 +165,7 @@ def combined(
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
     """Combine q inputs with m blocks: every input with every block or, if `paired`, each input with one block.
 
-    Returns the shape of the result, whether each of its two axes comes from single values, and the flattened arrays.
+    Returns the shape (q, m) of the result, whether the inputs and the blocks are scalars, and the flattened arrays.
     """
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
@@ -197,7 +197,7 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run the kernel, a second time to fill a table of up to `table_rows` half-cycles, and return the response."""
+    """Run the kernel, and run it again if a table of up to `table_rows` half-cycles is needed; return the response."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]

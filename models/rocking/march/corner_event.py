@@ -76,7 +76,7 @@ def turn_over(f, j):
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Return the time tau until `push` exceeds a threshold (both linear in tau); -1 if not within `remaining`."""
+    """Return the time tau until `push` exceeds a threshold (both linear in tau); -1 if tau exceeds `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0
@@ -128,7 +128,7 @@ def wake_corner(f, i, j, record):
 
 @njit(_nrt=False)
 def hops_have_ended(f, j, record, equation, far, sliding):
-    """Return whether body j comes to rest, as event.chatter_is_over does, with different corners or restraints."""
+    """Return the result of event.chatter_is_over for body j, which has two different corners, a wall or restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)

@@ -7,7 +7,7 @@
 
    A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 in the direction
    of rotation; after an impact the next excursion starts with y = -1 + C times the impact speed. A lobe of E is an
-   interval in which it keeps its sign; the build-up is the speed that resonance with the largest lobes would give.
+   interval in which E keeps its sign; the build-up is the speed that resonance with the largest lobes would give.
 """
 
 import math

@@ -32,7 +32,7 @@ def linear_steps(f, width):
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. The
-    largest abs(phi'') is at most 1/(1 - h^2/8) times the larger one of the two ends. A step is marked if the growing
+    largest abs(phi'') is at most 1/(1 - h^2/8) times its larger value at the two ends. A step is marked if the growing
     mode phi - alpha + phi' exceeds LIMIT.
     """
     for j in range(width):
@@ -65,9 +65,9 @@ def linear_steps(f, width):
 def linear_after(phi, speed, alpha, restitution):
     """Return peak [rad], tau, impacts before overturning and impact speed of a motion on still ground (Eqs. 2, 6, 8).
 
-    If the block overturns, the peak is inf and tau is the time until then, else tau is NaN; the speed is divided by p
-    alpha_c. With xi = phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 =
-    xi (2 - xi) + eta^2, and leaves the ground with u = C w, which overturns it on the other side if u >= 1.
+    If the block overturns, the peak is inf and tau is the time until then, else tau is NaN; the impact speed is divided
+    by p alpha_c. With xi = phi/alpha, eta = xi' the block overturns if xi - 1 + eta >= 0; else it returns with w^2 = xi
+    (2 - xi) + eta^2, leaves the ground with u = C w, and overturns on the other side if u >= 1.
     """
     xi = phi / alpha
     eta = speed / alpha
@@ -93,7 +93,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 @njit(inline="always")
 def sine_and_cosine(q):
-    """Return sin q and cos q for abs(q) <= 1.7 from series, exact to rounding; loops with it become vector code."""
+    """Return sin q and cos q for abs(q) <= 1.7 from series, exact to rounding; loops that use it become vector code."""
     z = q * q
     sine = q + q * z * (S3 + z * (S5 + z * (S7 + z * (S9 + z * (S11 + z * (S13 + z * (S15 + z * (S17 + z * S19))))))))
     cosine = 1.0 + z * (
@@ -205,7 +205,7 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Return the results of :func:`linear_after` for the nonlinear equation, from energy; it overturns at phi = pi/2.
+    """Return the results of :func:`linear_after` for the nonlinear equation, with overturning at phi = pi/2.
 
     The energy above unstable equilibrium (phi = alpha) is E = phi'^2/2 - 2 sin^2((alpha - phi)/2). With phi < alpha a
     block overturns if it moves outward with E >= 0; with phi > alpha it returns only if it moves inward with E > 0.

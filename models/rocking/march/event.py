@@ -25,7 +25,7 @@ SHORTEST = 1.0 / 4096.0
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Return the time tau until abs(ground) exceeds the threshold (both linear); -1 if not within `remaining`."""
+    """Return the time tau until abs(ground) exceeds the threshold (both linear); -1 if tau exceeds `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining
@@ -42,8 +42,8 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
     """Return whether all half-cycles after an impact end before the ground can lift the block again.
 
     Speeds (w = `speed` after the impact) and rotations are divided by the restoring acceleration of the resting block.
-    abs(a_g)/threshold is `demand` at the impact; A = `largest` and m = `slope` are upper bounds of it and of its slope
-    within the `window` of tau, which is shortened if A exceeds (1 + demand)/2. In the window the restoring acceleration
+    abs(a_g)/threshold is `demand` at the impact; A = `largest` and m = `slope` are upper bounds of this ratio and of
+    its slope in the `window` of tau, which is shortened if A exceeds (1 + demand)/2. There the restoring acceleration
     stays above d = (1 - A) - w^2/(1 - A): the first half-cycle lasts less than T = 2 w/d, each next one less than q =
     C (1 + m T/(2 (1 - A))) times the one before, all together less than T/(1 - q); no impact is faster than w q/C.
     """

@@ -126,7 +126,7 @@ def hop_root(c, h):
 
 @njit(_nrt=False)
 def first_impact(c, h, peak):
-    """Return tau of the first impact (phi = 0) in (0, h] or -1, and the largest phi before, exact if above `peak`."""
+    """Return tau of the first impact (phi = 0) in (0, h] or -1, and the largest phi before it, exact above `peak`."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)

@@ -76,9 +76,9 @@ def recorded_response(
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
         start at rest is needed. The computation of a block then ends as soon as its outcome is certain, from a bound if
-        it overturns and from a measured margin if it rocks (docs/decisions/006), with the largest rotation so far and
-        -1 impacts. The overturning time is the time at which the block passes the angle of no return. Only for the
-        nonlinear equation without vertical acceleration and without history.
+        it overturns and from a measured margin if it rocks (docs/decisions/006). The peak is then the largest rotation
+        up to this time, the number of impacts is -1, and the overturning time is the time at which the block passes the
+        angle of no return. Only for the nonlinear equation without vertical acceleration and without history.
     step : float
         Longest step as p dt [-], at most 0.3; a sample with a larger p dt is divided.
     last_term : float
@@ -342,7 +342,7 @@ def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Float
     """Return the horizontal divided by the vertical impulse of an impact that ends a rotation about the right corner.
 
     h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners, is the smallest friction coefficient
-    without sliding. As an impact lasts an instant, it is for information only. `restitution` replaces C of the body.
+    without sliding. This is for information only, as an impact lasts an instant. `restitution` replaces C of the body.
 
     Examples
     --------

@@ -48,7 +48,7 @@ def sides(f, j):
 
 @njit(_nrt=False)
 def rotation_at(displacement, point):
-    """Return the phi at which a point (RestraintState.points) is displaced outward by `displacement`; inf if never."""
+    """Return phi at which a point (RestraintState.points) is displaced outward by `displacement`; inf if none."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]
@@ -197,7 +197,7 @@ def make_spring(part, restraints, lane, e, outward, side):
 
 @njit(_nrt=False)
 def change_elements(f, j, block, lane, restraints, direction):
-    """Change states of restraints at the upper (`direction` 1) or lower end (-1) of a range, or at a reversal (0)."""
+    """Change states of restraints at the upper (`direction` 1) or lower limit (-1) of phi, or at a reversal (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
     for e in range(restraints.elements.shape[1]):
@@ -236,7 +236,7 @@ def change_elements(f, j, block, lane, restraints, direction):
 
 @njit(_nrt=False)
 def rest_levels(f, j, block, lane, restraints, at_rest):
-    """Set the increase EXTRA of both uplift thresholds by restraints; return how much sliding loads may reduce it."""
+    """Set the increase EXTRA of both uplift thresholds by restraints; return its largest reduction by sliding loads."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(restraints.elements.shape[1]):

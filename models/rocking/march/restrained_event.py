@@ -231,8 +231,9 @@ def finish_restrained(f, i, width, c, bodies, restraints):
 def motion_after(f, i, j, c, bodies, restraints, g):
     """Compute the motion after the record in the working memory `g`; return the results of corner_event.free_motion.
 
-    It ends after one half-cycle about each corner, or after MOST_TURNS reversals without an impact: restraints add no
-    energy, so later rotations are no larger. Later impacts are counted as if no tie yielded and no load slid.
+    The computation ends after one half-cycle about each corner, or after MOST_TURNS reversals without an impact:
+    restraints add no energy, so later rotations are no larger. Later impacts are counted as if no tie yielded and no
+    load slid.
     """
     block, lane = i[row.LANE + j] % bodies, i[row.LANE + j]
     for k in range(more.CORNER_ROWS):

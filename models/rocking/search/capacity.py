@@ -73,8 +73,8 @@ def critical_scale(
     Notes
     -----
     The scan of a block starts at the scale factor that lifts it: g alpha/max|a_g| (linear), or the smallest f with
-    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A scale factor with an
-    UNRESOLVED outcome (free flight, endless impacts) counts as exceeding the limit.
+    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between samples. A scale factor with
+    an UNRESOLVED outcome (free flight, endless impacts) counts as exceeding the limit.
 
     Examples
     --------
@@ -124,9 +124,9 @@ def impulsive_critical_scale(
 
     Notes
     -----
-    The scan starts at a lower bound, g alpha_c/(p sum |I_i|). Let u be the speed with which the motion started from the
-    ground, or would have done so. An impulse dx' at the rotation 0 <= x <= 2 raises u to at most u + |dx'|, as x'^2 =
-    u^2 - 1 + (1 - x)^2 <= u^2 there, and an impact lowers it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
+    The scan starts at a lower bound, g alpha_c/(p sum |I_i|). Let u be the speed of the motion at x = 0, extrapolated
+    back in time if necessary. An impulse dx' at the rotation 0 <= x <= 2 raises u to at most u + |dx'|, as x'^2 =
+    u^2 - 1 + (1 - x)^2 <= u^2 there, and an impact lowers u. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
 
     Examples
     --------
@@ -239,7 +239,7 @@ def sequence_critical_scale(
         Largest scale factor that is considered [-].
     step : float
         Largest ratio of neighbouring scale factors in a search, above 1; every spacing except "continuous" needs a
-        search, because the number of secondary impulses in a half-cycle is a result of the march.
+        search, because the number of secondary impulses in a half-cycle is a result of the computation.
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
@@ -263,13 +263,13 @@ def sequence_critical_scale(
 
         I_Nc = I_1c/[(1 - sigma) S_N + sigma/2],
 
-    which is Eq. 9 for sigma = 0, if it is reached: N <= main_count, and its start, the sum over j < N of 2
-    atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end, so a
-    band ends where it reaches `duration`: above I_Nc the block may be safe again. At the lower edges the start grows
-    with N, so the smallest scale factor is that of the largest N that is reached.
+    which is Eq. 9 for sigma = 0. A band exists if its half-cycle is reached: N <= main_count, and the start of N, the
+    sum over j < N of 2 atanh(v_j)/p, is before `duration`. This start grows without bound towards the upper end of the
+    band, which therefore ends where the start reaches `duration`: above I_Nc the block may be safe again. At the lower
+    ends the start grows with N, so the smallest scale factor is that of the largest N that is reached.
 
-    Otherwise a scan with refined edges starts at the critical factor of the resonance sequence, as secondary impulses
-    only reduce the speed (u_r <= u). A scale factor with an UNRESOLVED outcome counts as overturning.
+    Otherwise a scan with refined edges starts at the smallest scale factor of the resonance sequence, as secondary
+    impulses only reduce the speed (u_r <= u). A scale factor with an UNRESOLVED outcome counts as overturning.
 
     Examples
     --------
@@ -313,7 +313,7 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
 
 
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
-    """Return the intervals of factors at which each block overturns, in closed form; adjacent intervals are joined."""
+    """Return the scale factor intervals in which blocks overturn, in closed form; adjacent intervals are joined."""
     count = block.shape[0]
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)

@@ -117,7 +117,7 @@ def exceedance_intervals(
     exceeds : callable
         Takes block indices (n,), which may repeat, and scale factors (q, n), one column per index, and returns a (q, n)
         array: bool, or the response divided by the limit, at least 1 if the limit is exceeded; NaN (no result) counts
-        as exceeding. It need not be monotonic in the scale factor.
+        as exceeding. The result need not be monotonic.
     start : (m,) array_like
         Scale factor > 0 below which no exceedance is possible [-]; the scan of a block starts here. A block whose start
         is above `factor_max`, or inf, has no interval.
@@ -190,7 +190,7 @@ def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarr
 def _scan(
     exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return block, scale factor and whether the limit is exceeded, for each trial, sorted by block and factor."""
+    """Return block, scale factor and whether the limit is exceeded for each trial, sorted by block and scale factor."""
     points = int(np.max(counts[lanes]))
     # Blocks with fewer factors than others repeat the last factor.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
@@ -207,7 +207,7 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Halve the steps below the first exceedance in which, by its second differences, `reach` may also exceed 1."""
+    """Below the first exceedance, halve each step within which `reach`, by its second differences, may exceed 1."""
     halvings = np.zeros(lane.size, dtype=np.int64)  # for the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:

@@ -1,4 +1,4 @@
-"""Random samples of bodies: each lane is a body with random C and angle under one factor on the record.
+"""Random samples of bodies: each lane is a body with random C and angle under one scale factor.
 
 .. note:: All bodies of a call share one scrambled Sobol set, so that the result of a body does not depend on the
    others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
@@ -6,7 +6,7 @@
 
 The first stage of lanes surrounds an estimate of the capacity and is extended while its lowest lanes overturn or its
 highest lanes survive. The density of the second stage is proportional to the standard deviation sqrt(P (1 - P)) of an
-outcome, with P the share of nearby lanes of the first stage that overturn. The uncertainty of the factor is not
+outcome, with P the share of nearby lanes of the first stage that overturn. The uncertainty of the scale factor is not
 sampled, but applied afterwards as a smoothing kernel in ln f (:mod:`rocking.spectrum.probability`).
 """
 
@@ -127,7 +127,7 @@ class LaneMarch:
         return BodyLanes(log_factor, 1.0 / density, over, unresolved, bottom, top, standing)
 
     def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
-        """Return the outcomes of bodies `lanes` under the record times `factor`, one for each body."""
+        """Return the outcomes of bodies `lanes` under the record; `factor` contains a scale factor for each body."""
         early = np.zeros(factor.size, dtype=bool)
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
@@ -143,7 +143,7 @@ class LaneMarch:
 
 
 def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None = None) -> list[BodyLanes | None]:
-    """Return the samples of each body; None for a body that is not lifted at any factor below exp(`log_max`)."""
+    """Return the samples of each body; None for a body that is not lifted at any scale factor below exp(`log_max`)."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
@@ -169,7 +169,7 @@ def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None
 
 
 def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Add samples until the lowest survive and the highest overturn; return whether any survive the largest factor."""
+    """Add samples until the lowest survive and the highest overturn; return which bodies may survive exp(`log_max`)."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0

@@ -1,9 +1,9 @@
 """Probability of overturning P(f) of any body under a record times f, from nonlinear responses of this body.
 
-.. note:: The 90 % intervals are computed by resampling the lanes (random samples of a body under one factor) with
+.. note:: The 90 % intervals are computed by resampling the lanes (random samples of a body and a scale factor) with
    replacement as if they were independent (Sobol points scatter less). If all n = (sum w)^2/sum w^2 effective lanes
-   near the factor one have the same outcome, resampling gives no spread: the end of the interval is then the binomial
-   bound for n equal outcomes, 1 - 0.05^(1/n).
+   near the scale factor 1 have the same outcome, resampling gives no spread: the end of the interval is then the
+   binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -50,7 +50,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the scale factors at fixed P, and their mean, from the samples of one body (None if it never lifts)."""
+    """Compute scale factors and probability of overturning of one body from its samples (None if it never lifts)."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -112,7 +112,7 @@ def _interval(name: str, values: np.ndarray) -> dict[str, float]:
 
 
 def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
-    """Set factors above `factor_max` to inf, and the lower end of the interval to at most `factor_max`."""
+    """Set scale factors above `factor_max` to inf, and limit the lower end of the interval to `factor_max`."""
     return {
         name: min(value, factor_max) if name.endswith("_low") else value if value <= factor_max else math.inf
         for name, value in interval.items()
@@ -120,7 +120,7 @@ def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
 
 
 def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncertainty) -> dict[str, float]:
-    """Return P at the scale factor one and its interval; `probability` (r, k) has one row for each resample."""
+    """Return P at the scale factor 1 and its interval; `probability` (r, k) has one row for each resample."""
     if first > 0:
         return _interval("at_one", np.zeros(RESAMPLES + 1))
     place = min(-first, probability.shape[1] - 1)
@@ -140,14 +140,14 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncert
 
 @dataclass(frozen=True, eq=False)
 class OverturningProbability(OverturningFactors):
-    """Probability of overturning of (m,) bodies as a function of the factor on a record, computed for each body.
+    """Probability of overturning of (m,) bodies as a function of the scale factor on a record, computed for each body.
 
     Attributes
     ----------
     level : (k,) ndarray
-        Factors on the record, ascending, from the lowest one that can lift a body; they include 1.
+        Scale factors on the record, ascending, from the lowest one that can lift a body; they include 1.
     probability : (m, k) ndarray
-        Probability of overturning at the levels [-]: the weighted share of samples, which may fall with the factor.
+        Probability of overturning at the levels [-]: a weighted share of samples, which need not rise with the level.
     slender : (m,) ndarray of bool
         Whether a body was computed in the limit of slender blocks.
     unresolved : (m,) ndarray
@@ -186,24 +186,24 @@ def overturning_probability(
     seed: int = 0,
     threads: int | None = None,
 ) -> OverturningProbability:
-    """Compute the probability that bodies overturn under a record times a factor, with the nonlinear equation.
+    """Compute the probability that bodies overturn under a record times a scale factor, with the nonlinear equation.
 
     Parameters
     ----------
     block : Block
         One nominal body, with results of shape (1,), or an array of m bodies.
     acceleration, dt, vertical
-        As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
+        As for :func:`~rocking.recorded_response`; the scale factor multiplies both accelerations.
     uncertainty : Uncertainty, optional
-        Uncertainty of factor, restitution and geometry; by default ``Uncertainty()``.
+        Uncertainty of scale factor, restitution and geometry; by default ``Uncertainty()``.
     factor_max : float
-        Largest factor that is searched [-].
+        Largest scale factor that is searched [-].
     slender_limit : bool
         Whether bodies of slenderness 3.5 or more without ties, loads or vertical acceleration are computed as slender
         blocks (linear equation), which gives more lanes at the same cost (docs/decisions/018); False for the nonlinear
         equation throughout.
     guess : (m,) array_like, optional
-        Estimate of the factor at which a body overturns [-]. A good estimate saves computing time.
+        Estimate of the scale factor at which a body overturns [-]. A good estimate saves computing time.
     seed : int
         Seed of the random numbers, not negative.
     threads : int, optional

@@ -2,7 +2,7 @@
 
 .. note:: A half-wave is replaced by the triangle with the same ends, impulse and centroid. `march` is the reciprocal of
    the factor at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. The
-   result of a single march is erratic; with the uncertainty of body and strength the factor has a distribution
+   result of a single response is erratic; with the uncertainty of body and strength this factor has a distribution
    (:class:`rocking.OverturningSpectrum`), whose mean logarithm and value at P = 10 % are used. The lobes of the
    weighted impulse E (demand.py) give the number of effective impulses.
 """
@@ -92,7 +92,7 @@ def checked_half_waves(
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """The lobes of the weighted impulse E(t0), intervals in which it keeps its sign, in chronological order."""
+    """The lobes of the weighted impulse E(t0), intervals in which E keeps its sign, in chronological order."""
 
     times: np.ndarray  # (k,) time of the largest abs(E) of each lobe [s]
     sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
@@ -109,8 +109,8 @@ class HalfWaveDemand:
     main_count : (m,) ndarray of int
         Number of lobes of the weighted impulse E (:class:`Lobes`) above half the largest one; at least 1.
     ratio, interval : (m,) ndarray
-        Root mean square of the other lobes between the first and the last main lobe, divided by the largest [-], 0 if
-        there are none; median spacing of the lobes from the first to the last main one [s], NaN for only one.
+        Root mean square of the other lobes between the first and the last main lobe, divided by the largest lobe [-], 0
+        if there are none; median spacing of the lobes from the first to the last main lobe [s], NaN for one main lobe.
 
     Examples
     --------
@@ -169,8 +169,8 @@ def demand_of_half_waves(
 
     Notes
     -----
-    The result depends only on p, C and x = f p/(g tan alpha) of a block, so lengths four times and times twice as
-    large give the same result. C is uniform in 0.95 to 1.05 times that of the block, at most 1.
+    The result depends only on p, C and x = f p/(g tan alpha) of a block, so it does not change if all
+    lengths are multiplied by four and all times by two. C is uniform in 0.95 to 1.05 times the block's C, at most 1.
 
     Examples
     --------
@@ -240,7 +240,7 @@ def _find_shapes(corners, ground, rates, count, ratio, interval):
 
 @njit()
 def main_lobes(times, sizes):
-    """Return the number of main lobes, the rms of the other ones divided by the largest, and the median spacing."""
+    """Return the number of main lobes, the rms of the others divided by the largest lobe, and the median spacing."""
     largest, count, first, last = 0.0, 0, 0, 0
     for k in range(sizes.size):
         largest = max(largest, abs(sizes[k]))

@@ -1,7 +1,7 @@
 """The overturning spectrum of a ground motion, which gives the capacity of every slender free-standing block.
 
 .. note:: S(p, C) = 1/exp(E ln x_c) [m/s], with x_c the x = f p/(g tan alpha) at which a block overturns: it does if S
-   exceeds g tan(alpha)/p. A sample of factor and geometry shifts ln x by Z with a known density h
+   exceeds g tan(alpha)/p. A sample of scale factor and geometry shifts ln x by Z with a known density h
    (:class:`Uncertainty`), so P(x; p, C) is the outcome v_i of the lanes (sampled blocks) with a C in the range of the
    block, smoothed with h:
 
@@ -56,15 +56,15 @@ LEAST_SLENDERNESS = 3.5
 class OverturningFactors:
     """Probability of overturning of (m,) blocks under a record, and scale factors at given probabilities.
 
-    `_low` and `_high` are the ends of 90 % intervals. A factor above the end of the search is inf, and its `_low` is
-    the end of the search.
+    `_low` and `_high` are the ends of 90 % intervals. A scale factor above the end of the search is inf, and its `_low`
+    is the end of the search.
 
     Attributes
     ----------
     at_one : (m,) ndarray
         Probability of overturning under the unscaled record [-].
     factor_10, factor_50 : (m,) ndarray
-        Factor on the record at which the probability is 0.1, 0.5 [-].
+        Scale factor on the record at which the probability is 0.1, 0.5 [-].
     factor_mean : (m,) ndarray
         Geometric mean of the scale factor f at which the block overturns: exp of the mean of ln f, with P as the
         distribution function of ln f [-].
@@ -92,7 +92,7 @@ class OverturningFactors:
     factor_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
-        """Return a copy with every factor above `factor_max` set to inf and its `_low` limited to `factor_max`."""
+        """Return a copy with scale factors above `factor_max` set to inf, and each `_low` limited to `factor_max`."""
         found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "factor_mean"):
             for one in (name, f"{name}_high"):
@@ -245,7 +245,7 @@ class OverturningSpectrum:
         return SpectrumReading(self._first, self.level, *own, speed, self._alike, self.interpolation)
 
     def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Return one or two parts of the random C: share (r, 1), and range of C (r,) of the samples that represent it.
+        """Return one or two parts of the random C, each as its share (r, 1) and the limits (r,) of C of the samples.
 
         Restitutions above 1 count as 1, which the samples up to BEYOND represent.
         """
@@ -324,7 +324,7 @@ class SpectrumReading:
     probability, error : (m, k) ndarray
         P, and its standard error [-].
     speed : (m,) ndarray
-        g tan(alpha)/p of the blocks [m/s]; the factor on the record is x times this.
+        g tan(alpha)/p of the blocks [m/s]; the scale factor is x times this speed.
     alike : (k, k) ndarray
         Correlation of the errors of P at two levels [-].
     interpolation : float

@@ -1,12 +1,12 @@
 """The uncertainty of a body and of the strength of a record, and its effect on the scale factor.
 
-.. note:: In a random sample the factor f becomes f F with ln F normal, C is a share of the nominal one, and alpha
+.. note:: In a random sample the scale factor f becomes f F with ln F normal, C is a share of the nominal C, and alpha
    becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body, factor
    and geometry together are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the
    shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
-Lane i was computed at ln f_i with the outcome v_i, 1 if it overturned. A block under the factor f experiences f exp(Z),
-so P(f) is the outcome smoothed with the density h of Z,
+Lane i was computed at ln f_i with the outcome v_i, 1 if it overturned. A block at the scale factor f experiences
+f exp(Z), so P(f) is the outcome smoothed with the density h of Z,
 
 P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
 
@@ -89,11 +89,11 @@ class Uncertainty:
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the shift Z of ln f due to factor and geometry together [-]."""
+        """Standard deviation of the shift Z of ln f due to scale factor and geometry together [-]."""
         return math.sqrt(self.factor**2 + (1.0 - 2.0 / math.pi) * self.geometry**2)
 
     def density(self, shift: ArrayLike) -> np.ndarray:
-        """Return the probability density of the shift Z of ln f due to factor and geometry together [-]."""
+        """Return the probability density of the shift Z of ln f due to scale factor and geometry together [-]."""
         given = np.asarray(shift, dtype=float)
         return lane_bells(given.ravel(), np.ones(given.size), np.zeros(1), self).reshape(given.shape)
 
@@ -153,7 +153,7 @@ def _pool(rows, chosen, size):
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return the factor at which a rising P (..., k) reaches `share`, interpolated in ln f; inf if it does not."""
+    """Return the scale factor at which rising P (..., k) reaches `share`, interpolated in ln f; inf if it does not."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)
@@ -165,7 +165,7 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return the geometric mean of a factor with the distribution P (..., k) at levels; inf if P stays below 1."""
+    """Return the geometric mean of a scale factor with distribution P (..., k) at levels; inf if P stays below 1."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
     # Summed in sequence, so that further levels without a change of P do not change the result.
@@ -174,7 +174,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """Return the density of the shift at `log_factor` - `log_level` times `weight`, (n, k) for n lanes and k levels."""
+    """Return `weight` times the density of the shift at `log_factor` - `log_level`, (n, k) for n lanes and k levels."""
     bells = np.zeros((log_factor.size, log_level.size))
     _bells(log_factor, weight, log_level, *_skew(shift), bells)
     return bells
@@ -227,7 +227,7 @@ def lane_moments(
     Returns
     -------
     (b, 1 + h, 2, k) ndarray
-        Sums over all lanes before each end and over those that reach each limit state, of the values and squares.
+        Sums of values and of squares, over all lanes before each end and over the lanes that reach each limit state.
     """
     sums = np.zeros((ends.size, 1 + states, 2, log_level.size))
     _add_moments(log_factor, weight, reached, ends, log_level, *_skew(shift), np.zeros(sums.shape[1:]), sums)

@@ -21,10 +21,10 @@ SHARED_RANGES = ((0, (0.84, 1.0)), (0, (LEAST_RESTITUTION, 1.0)), (1, REBOUNDS),
 def shared_groups(
     block: Block, uncertainty: Uncertainty, own: int, density: float
 ) -> Iterator[tuple[np.ndarray, dict[str, Any]]]:
-    """Yield groups of blocks that share a spectrum, as indices, and the arguments of :func:`spectrum_lanes` for it.
+    """Yield the indices of blocks that share a spectrum, and the arguments of :func:`spectrum_lanes` for this spectrum.
 
     Without a spectrum each block needs `own` samples; a spectrum has `density` samples per unit of C in the second
-    stage at each frequency parameter. A group is left out if that saves no samples.
+    stage at each frequency parameter. A group is omitted if sharing a spectrum would not reduce the number of samples.
     """
     rest = np.ones(block.shape, dtype=bool)
     for side, between in SHARED_RANGES:

@@ -1,8 +1,8 @@
 """Motion of slender blocks under a ground motion, from impact to impact by the closed form of the linear equation.
 
 .. note:: With phi = theta/alpha, tau = p t, u = s phi on the side s = 1 or -1, and f = x/p, the equation (Eqs. 1-2) is
-   linear between impacts, u'' = u - 1 - s f a_g. All lanes (blocks under one factor) of one p share its bounded
-   particular solution Q (:mod:`.slender_ground`):
+   linear between impacts, u'' = u - 1 - s f a_g. All lanes (each a block at a scale factor) of one p share
+   its bounded particular solution Q (:mod:`.slender_ground`):
 
    u = 1 + s f Q + (A + B)/2,  u' = s f Q' + (A - B)/2,  with A growing as e^tau and B falling as e^-tau,
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
@@ -150,7 +150,7 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 @njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
-    """Compute the motion of block i from node `k`; return the next piece that ends near the ground, ENDED or FINAL."""
+    """Compute the motion of block i from node `k`; return the next piece at whose end u is small, ENDED or FINAL."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
     u = max(u, 0.0)
     if k == count:
@@ -303,12 +303,12 @@ def _peak_on_still_ground(u, v, restitution):
 
 @njit(_nrt=False)
 def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
-    """Compute lanes (a block under a factor) `first` to `last` - 1 of one p over :class:`.slender_ground.Tables`.
+    """Compute lanes (a block at a scale factor) `first` to `last` - 1 of one p over :class:`.slender_ground.Tables`.
 
     `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the `strength`
     f = x/p [s2/m] and the `restitution` C (the rebound e beside a wall, with s = 1 always). The `state` (n, 4) is
     updated: largest u (inf if the block overturns; without `peaks` it is only valid if inf), u, u' and s (0 at rest,
-    NaN for a lane that has ended). After the `final` tables the ground is still.
+    NaN for a lane that has ended). If `final` is True, the ground is still after the tables.
     """
     lane_of, piece = slots[0], slots[1]
     lane_of[:] = -1

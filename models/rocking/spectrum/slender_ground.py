@@ -1,4 +1,4 @@
-"""Tables of a ground motion for the march of slender blocks of one frequency parameter p (:mod:`.slender`).
+"""Tables of a ground motion for the motion of slender blocks of one frequency parameter p (:mod:`.slender`).
 
 .. note:: In tau = p t the ground acceleration a_g is linear between nodes, which are at most `LONGEST` apart. With
    H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
@@ -49,7 +49,7 @@ def lifting(ground, wall):
 
 @njit(_nrt=False)
 def _fill_points(length, start, slope, past, future, points, rows):
-    """Fill `points` up to DOWN, and `rows`; `past` is H at the first node, `future` G at the last one."""
+    """Fill `rows` and columns of `points` up to DOWN; `past` is H at the first node, `future` G at the last node."""
     count, grown = length.shape[0], 1.0
     points[count, RESPONSE] = future
     for k in range(count - 1, -1, -1):
@@ -76,7 +76,7 @@ def _fill_points(length, start, slope, past, future, points, rows):
 
 @njit(_nrt=False)
 def _fill_blocks(ends, wall, left, points, blocks):
-    """Fill LIFTING of `points`, and `blocks`, from a_g at the `ends` of pieces; `left` (2,) bounds later -G and G."""
+    """Fill `blocks` and column LIFTING of `points` from a_g at the `ends` of pieces; `left` bounds later -G and G."""
     count, push, longest, strongest, largest = ends.shape[0], 0.0, 0.0, 0.0, 0.0
     for k in range(points.shape[0]):
         block, before, even, odd = k // BLOCK, push, 0.0, 0.0
@@ -140,7 +140,7 @@ class SlenderGround:
             del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
-        """Return tables from piece `first` on; `past` is H before them, `future` G after them, and `left` bounds G."""
+        """Return tables from piece `first` on; `past` is H before, `future` G after them, `left` bounds -G and G."""
         last = min(first + AT_ONCE, self._count)
         whole: Any = slice(first, last)
         parts, place = np.array(1), np.array(0)

@@ -219,7 +219,7 @@ def _march_lanes(
     *,
     rotations: bool,
 ) -> Iterator[dict[str, Any]]:
-    """Compute lanes at each of the frequency parameters `rates`, with C from its function in `restitutions`.
+    """Compute lanes at each frequency parameter in `rates`, with C from the function for this rate in `restitutions`.
 
     Without `rotations` the peaks are valid only if they are inf.
     """
@@ -326,7 +326,7 @@ def _level(log_x: Any, restitution: Any) -> Any:
 def _second_stage_levels(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return :func:`_level` of `count` samples of the second stage, and the density of samples on a grid of levels."""
+    """Return the levels of `count` samples of the second stage, and the density of samples on a grid of levels."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     # Rounded, because the square root of a rounding error would move all lanes by 1e-8.

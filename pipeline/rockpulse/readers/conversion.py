@@ -80,9 +80,9 @@ def write(
         Records to write, at least one, with distinct ids. Samples are written unchanged: a raw record remains raw.
     out : path
         A file, whose suffix gives the format, or for AT2 and CSV a folder. An AT2 or CSV file contains one record:
-        of several records, each is written to a file with the channel (or the id) before the suffix of ``out``; in a
-        folder, file names are ids. A miniSEED file contains all records, and a StationXML of the same name is written
-        next to it.
+        for several records, the channel (or the id) is inserted before the suffix of ``out``; in a folder, each file is
+        named by the id of its record. A miniSEED file contains all records, and a StationXML of the same name is
+        written next to it.
     format : {"at2", "csv", "mseed"}, optional
         Required for a folder; by default the format of the suffix.
     overwrite : bool
@@ -289,7 +289,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Return how the record read back, `again`, differs in direction or processing; missing values count if `whole`."""
+    """Return how the record read back, `again`, differs in direction or processing, or, if `whole`, lacks them."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -304,7 +304,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return how the record read back, `again`, differs in processing; a missing state counts only if `whole`."""
+    """Return how the record read back, `again`, differs in processing or, if `whole`, lacks the state."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"its property processed would be read back as {again.processed} instead of {record.processed}"
     return ""

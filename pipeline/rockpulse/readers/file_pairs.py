@@ -73,7 +73,7 @@ class PairSettings(Section):
         return ""
 
     def directed(self, name: str, records: Sequence[Record]) -> list[Record]:
-        """Return the channel of a file of this pair with its direction; raise an error if it states another one."""
+        """Return the channel of a file of this pair with its direction; raise an error if the file contradicts it."""
         side = self.side(name)
         if len(records) != 1:
             raise RecordFormatError(

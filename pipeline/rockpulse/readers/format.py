@@ -96,7 +96,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for one file, named as in `Record.source`: its unit, its interval and its entries."""
+        """Return the options for one file, named as in `Record.source`: unit, interval, and matching entries."""
         if not self.files and not self.pairs:
             return self
         units, dt = self._last("units", name), self._last("dt", name)

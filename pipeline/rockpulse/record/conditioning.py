@@ -87,7 +87,7 @@ def condition(
 
     Notes
     -----
-    *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never decreases with T.
+    *Pre-event window.* S(T) is the energy of the first T seconds about their own mean; S never decreases with T.
     The window ends where S reaches 1e-6 of its value for the whole record, and is not used if shorter than 1 s.
 
     *Filter.* The record is tapered, padded with zeros over a time of 1.5 n/f at both ends (Boore 2005; n is the order

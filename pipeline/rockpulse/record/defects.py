@@ -73,7 +73,7 @@ def with_defects(record: Record) -> Record:
 
 
 def deciding(record: Record) -> list[WarningText]:
-    """Return the defects of a conditioned record that may change its results, and must be confirmed before use."""
+    """Return the defects of a conditioned record that may change its results and must be confirmed before use."""
     found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
     if find(record.warnings, "dead_channel"):
         found += [WarningText("dead_channel")]
@@ -175,7 +175,7 @@ def _runs(mask: np.ndarray) -> np.ndarray:
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return a warning on the longest constant part of a record, and on its longest straight part that is inclined."""
+    """Return a warning on the longest constant part of a record, and on its longest inclined straight part."""
     bend = np.abs(np.diff(centred, 2))
     peak = largest(centred)
     straight = max(2.1 * resolution, 1e-6 * peak)

@@ -1,8 +1,8 @@
 """Samples two horizontal channels at the same times, rotates the pair, and finds its strongest direction.
 
 .. note:: Azimuths are in degrees, clockwise from north. A channel with the azimuth z records x . u(z), where x is the
-horizontal acceleration and u(z) = (cos z, sin z) the unit vector, both with a north and an east component. Two channels
-that are not parallel determine x, and therefore the acceleration in direction psi,
+   horizontal acceleration and u(z) = (cos z, sin z) the unit vector, both with a north and an east component. Two
+   channels that are not parallel determine x, and therefore the acceleration in direction psi,
 
        a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
 

@@ -183,7 +183,7 @@ def _component_direction(words: str) -> kit.Direction:
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """Return the direction from title or file name, and warnings; it is vertical if either of them says so."""
+    """Return the direction from title or file name, and warnings; a vertical direction has priority."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
@@ -198,7 +198,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
 
 
 def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Return warnings about a stated scale factor, and about intervals other than `step`, stated in line `end`."""
+    """Return warnings about stated scale factors, and about lines that contradict the interval `step` in line `end`."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
@@ -210,7 +210,7 @@ def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
-    """Return the index of the line after the numbers, and a warning if words and further numbers follow."""
+    """Return the index of the line after the numbers, and a warning if words and then more numbers follow."""
     stop = kit.end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []

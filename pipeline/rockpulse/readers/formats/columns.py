@@ -44,7 +44,7 @@ class _Columns:
         return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":
-        """Return the columns with these indices, in this order, with further warnings."""
+        """Return the columns with the indices `order`, in this order, with `warnings` added."""
         headings = tuple(self.headings[index] for index in order) if self.headings else ()
         return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
 

@@ -1,8 +1,8 @@
 """COSMOS strong-motion data format, version 1.20 (V0, V1, V2, V1c, V2c).
 
 Each channel has 13 lines of text, integers, reals and comments, then one or more series, each after a line such as
-``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. A line ``End-of-data`` or ``/&`` ends it.
-Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data Format, version 1.20.
+``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. The channel ends at a
+line ``End-of-data`` or ``/&``. Reference: COSMOS Strong Motion Programs Board (2001), Strong Motion Data Format 1.20.
 """
 
 import re

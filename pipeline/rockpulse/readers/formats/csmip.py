@@ -1,13 +1,13 @@
 """CSMIP files of the California Geological Survey, and of networks that use the same layout.
 
-Volume 1, uncorrected: channels as in `kit.csmip_layout`, then a heading and the accelerations; older files have no
-heading, but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each
-channel is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings
-also name the Fortran format, and headings of USC have no unit. Volume 3 (spectra) is rejected.
+A file of volume 1 (uncorrected) has channels as in `kit.csmip_layout`, with accelerations below a heading; older files
+have no heading, but pairs of time [s] and acceleration [g/10] with unequal steps. In volume 2 (corrected) the heading
+is like ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings also name the
+Fortran format, and headings of USC have no unit. Only acceleration is read. Volume 3 (spectra) is rejected.
 
-Files of RENADIC (Universidad de Chile) are of volume 1, with pairs. Recorders with four channels have one without a
-sensor: its channel contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``. Origin
-times are from the clocks of the instruments, some of which were never set.
+Files of RENADIC (Universidad de Chile) are of volume 1, with pairs. Recorders with four channels have one channel
+without a sensor, which contains only zeros. Long records are split into files ``...parte1.v1``, ``...parte2.v1``.
+Origin times are from the clocks of the instruments, some of which were never set.
 """
 
 import re
@@ -244,7 +244,7 @@ def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
 
 
 def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel except dead ones; raise RecordRefused if all are dead."""
+    """Read every channel except dead channels (all zero); raise RecordRefused if all are dead."""
     records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
     kept = [record for record in records if record.acceleration.any()]
     if not kept:

@@ -1,8 +1,7 @@
 """K-NET and KiK-net ASCII files of NIED (Japan), through obspy.
 
 obspy returns counts with an offset; it has already converted Japanese time to UTC and subtracted the 15 s that the
-logger adds to the record time. The counts are scaled and the offset is
-subtracted here.
+logger adds to the record time. The counts are scaled and the offset is subtracted here.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
 A file has lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line of column names, then rows of three accelerations
-[gal] from which the mean is removed; the header calls their peaks raw.
+[gal], whose mean the agency has already removed; the header gives their peaks as ``RAW PGA VALUES``.
 """
 
 import re

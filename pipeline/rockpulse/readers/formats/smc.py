@@ -1,7 +1,7 @@
 """SMC files of the USGS National Strong-Motion Project.
 
-Text (11 lines), 48 integers (8I10), 50 floating-point values (5E15.7), comment lines that begin with ``|``, then the
-accelerations in cm/s2, 8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+A file has 11 lines of text, 48 integers (8I10), 50 floating-point values (5E15.7), comment lines that begin with ``|``,
+and accelerations [cm/s2] in touching fields of 10 characters. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
 import re

@@ -104,8 +104,8 @@ def build_record(
 
     `number` is the channel's number in the file, from 1. `unit` is a key of `UNITS`, or "counts" with a `factor` [m/s2
     per count]. `header_peak` is the peak stated in the header, with half a unit of its last digit; its unit is
-    `peak_factor` m/s2, by default the unit of the samples. It is compared with `original_peak`, the peak before
-    resampling [unit], if that is given.
+    `peak_factor` m/s2, by default the unit of the samples. If `original_peak`, the peak before resampling [unit], is
+    given, `header_peak` is compared with it.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)

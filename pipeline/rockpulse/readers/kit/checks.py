@@ -116,7 +116,7 @@ def fixed_block(
     count: int,
     title: re.Pattern[str] | None = None,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the first `count` numbers, in fields of equal width, of the lines `span`; and warnings about the rest."""
+    """Return the first `count` numbers of the lines `span`, in fields of equal width, and warnings about the rest."""
     first, end = span
     samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
     return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))

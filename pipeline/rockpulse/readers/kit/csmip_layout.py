@@ -95,7 +95,7 @@ class CsmipHeader:
     def record(
         self, file: SourceFile, number: int, block: ChannelSamples, warnings: Sequence[str] = (), **further: Any
     ) -> Record:
-        """Return the record of this channel with the samples `block`; `further` are arguments of `build_record`."""
+        """Return the record of this channel with the samples `block`; `further` is passed to `build_record`."""
         return build_record(
             file,
             block.samples,
@@ -285,7 +285,7 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
-    """Return a warning if floating-point header value `number`, a peak [`per_unit` m/s2], contradicts the samples."""
+    """Return a warning if the samples contradict the peak in floating-point header value `number` [`per_unit` m/s2]."""
     peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
@@ -295,7 +295,7 @@ def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, pe
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
-    """Return the direction of a channel; unknown, with a warning, if the header states different ones."""
+    """Return the direction of a channel; unknown, with a warning, if the header states different directions."""
     # The codes 0, 1100 and 1200 mean sensors without an azimuth.
     coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):

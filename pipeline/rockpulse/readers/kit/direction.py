@@ -221,7 +221,7 @@ def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Return whether a sensor location is on a structure; if `stated`, every location except the free field is."""
+    """Return whether a sensor location is on a structure; if `stated`, all but blank and free-field locations are."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -216,7 +216,7 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return the gain in the pass band [counts per m/s2] and per input unit (NaN without a sensitivity in the band)."""
+    """Return the gain in the pass band [counts] per m/s2 and per input unit (NaN if no sensitivity is stated there)."""
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:

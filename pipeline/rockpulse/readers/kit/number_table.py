@@ -235,8 +235,8 @@ def runs_on(table: np.ndarray) -> bool:
     """Return whether the rows (n, columns) are one series wrapped into rows, rather than channels in columns.
 
     True if both criteria `SMOOTHER` and `ALIKE` are met. Channels cannot meet both: if m channels contain a common
-    motion and independent noise, and x is the ratio of the mean squares of the steps of motion and noise, the first
-    ratio is (m + x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second ratio is 1 + x.
+    motion and independent noise, and x is the ratio of the mean squares of the steps of motion and noise, the ratio of
+    `SMOOTHER` is (m + x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the ratio of `ALIKE` is 1 + x.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

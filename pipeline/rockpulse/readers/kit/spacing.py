@@ -176,7 +176,7 @@ class ChannelSamples:
         return float(self.times[-1] - self.times[0]) + self.dt
 
     def noting(self, *warnings: str) -> "ChannelSamples":
-        """Return a copy with further warnings."""
+        """Return a copy with `warnings` added."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
 
@@ -255,7 +255,7 @@ def time_column_step(
 ) -> tuple[float | None, np.ndarray | None]:
     """Return the interval [s] if the first column contains times (else None), and the times if a clock ran unevenly.
 
-    A column contains times if its heading says so, or if it hardly ever decreases. The second value is None, except
+    A column contains times if its heading names time, or if it hardly ever decreases. The second value is None, except
     for a clock with jitter or drift: then it contains the times [s], and the interval is their mean.
     """
     named = names_time(headings)
@@ -308,7 +308,7 @@ def climbs(column: np.ndarray) -> bool:
 
 
 def agreed_step(name: str, steps: dict[str, float | None], advice: str, given: str = "") -> float:
-    """Return the interval [s] on which all sources agree, or raise an error; `given` is the one that the user set."""
+    """Return the interval [s] on which all sources agree, or raise an error; `given` is the source set by the user."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(
