@@ -21,7 +21,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -247,6 +247,19 @@ def calibrated(paths: list[str], output: str) -> None:
     )
 
 
+def many_bodies(path: str, output: str) -> None:
+    """Print the time of one record on many bodies, which share their marches or not, from its file to the results."""
+    for count, spectrum in ((100, "none"), (100, "auto"), (1_000, "auto"), (10_000, "auto")):
+        config = replace(configuration(count), uncertainty=UncertaintySettings(spectrum=spectrum))
+        times = []
+        for _ in range(6):
+            start, begun = time.perf_counter(), processor_time()
+            assess_files(path, config, output, BatchOptions(overwrite=True))
+            times.append((time.perf_counter() - start, processor_time() - begun))
+        wall, core = np.median(times[1:], axis=0)
+        print(f"one record, {count} bodies, spectrum = {spectrum}: {wall:.2f} s, {core:.2f} s of a core", flush=True)
+
+
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -257,10 +270,15 @@ def main() -> None:
     parser.add_argument("--inventory", type=int, default=10_000, help="bodies of a large inventory, on --few records")
     parser.add_argument("--few", type=int, default=10, help="records of the large inventory, and of every model")
     parser.add_argument("--folder", type=Path, help="where files and results go, and stay")
+    parser.add_argument("--bodies", action="store_true", help="one record on 100, 1,000 and 10,000 bodies instead")
     args = parser.parse_args()
     with contextlib.ExitStack() as left:
         folder = args.folder or Path(left.enter_context(tempfile.TemporaryDirectory()))
         (folder / "records").mkdir(parents=True, exist_ok=True)
+        if args.bodies:
+            write_record(7, folder / "records")
+            many_bodies(str(folder / "records"), str(folder / "bodies.h5"))
+            return
         start = time.perf_counter()
         write_records(folder / "records", args.records)
         print(f"{args.records} files: {time.perf_counter() - start:.0f} s; load {os.getloadavg()[0]:.1f}", flush=True)
