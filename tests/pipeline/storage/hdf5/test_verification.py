@@ -283,7 +283,7 @@ def test_a_writer_that_was_given_too_little_or_too_much_says_so(tmp_path):
     write(1, 2)
     with pytest.raises(ValueError, match="/a/b: expected 3 values, found 2"):
         write(1, 1)
-    with pytest.raises(ValueError, match=r"/a/b: expected .* shape \(3,\) from index 2 on, found the shape \(2"):
+    with pytest.raises(ValueError, match=r"/a/b: expected .* \(3,\) from index 2 on, found the shape \(2"):
         write(2, 2)
 
 
