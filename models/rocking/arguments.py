@@ -62,9 +62,9 @@ def record_samples(name: str, values: ArrayLike) -> np.ndarray:
     try:
         array = np.ascontiguousarray(_real(values), dtype=float)
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
+        raise ValueError(f"{name}: expected an (n,) array of numbers in m/s2, got {values!r:.80}") from None
     if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
+        raise ValueError(f"{name}: expected an (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
     if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN propagates
         first = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"{name}: sample {first} is {array[first]}; replace NaN and infinite samples first")

@@ -119,8 +119,8 @@ _ROWS = (
         name="sequence",
         label="sequence",
         words="main impulses at the start of each half-cycle and smaller ones of alternating sign between them, from "
-        "the half-waves of the record alone; between impulses the natural motion of the block. By [sequence] method: "
-        "the conservative rule below, one sequence for each record and body, unless another one is asked for.",
+        "the half-waves of the record alone; between impulses the natural motion of the block. Its "
+        "sequence is that of [sequence] method, by default of the conservative rule below for each record and body.",
         respond=_sequence,
         search=_search_sequence,
         look=("orange", (0, (6, 1.5, 1, 1.5)), "s"),

@@ -13,9 +13,9 @@ WARNINGS = {
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "clipped_crests": "{count:d} crests are flat at the largest or smallest value: the record may be clipped",
     "full_scale": "the peak reaches the limit of a 24-bit recorder ({counts:d} counts): the record may be clipped",
-    "header_peak": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that "
-    "the file is whole",
-    "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
+    "header_peak": "the header states a peak of {stated:.4g} g, but the data have {found:.4g} g; check the unit, and "
+    "whether the file is complete",
+    "header_peak_near": "the header states a peak of {stated:.4g} g, but the data have {found:.4g} g: {share:.1f} % "
     "{sense}",
     "odd_peak": "peak {peak:.3g} g if the unit is {unit}; {readings}",
     "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they are in the file",

@@ -162,11 +162,11 @@ def restitutions_of(
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
     if not one_sided:
         if rebound is not None:
-            raise ValueError(f"rebound: only for a body with one_sided=True, got {rebound!r}; give a restitution")
+            raise ValueError(f"rebound: expected one_sided=True as well, got {rebound!r} alone; leave rebound out")
         first, second = (restitution_of(given, one, own=shape == "own") for one in most)
         return first, second
     if not (isinstance(given, str) and given == "housner"):
-        raise ValueError(f"restitution: not for a one-sided body, got {given!r}; give a rebound from its wall instead")
+        raise ValueError(f"restitution: a one-sided body has none, got {given!r}; give its rebound from the wall")
     share = rebound_of("sorrentino" if rebound is None else rebound, alpha, shape == "rectangle")
     return share, share
 

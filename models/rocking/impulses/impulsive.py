@@ -91,10 +91,10 @@ def impulsive_response(
     0.133975
     """
     times, impulses, scale = _checked(times, impulses, scale)
-    own = numbers("block_scale", block_scale, "a finite factor")
+    own = numbers("block_scale", block_scale, "a scale factor")
     if own.shape not in ((), block.shape):
         raise ValueError(
-            f"block_scale: expected a factor, or one for each block, shape {block.shape}, got {block_scale!r:.80}"
+            f"block_scale: expected a scale factor, or one for each block, {block.shape}, got {block_scale!r:.80}"
         )
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")

@@ -96,8 +96,8 @@ def sequence_response(
     through = np.count_nonzero(contact)
     if through:
         logger.warning(
-            "sequence: for %d of %d pairs of block and sequence the corrected march with spacing %r passes "
-            "through the ground within a half-cycle; only the state at its end is exact",
+            "sequence: for %d of %d pairs of block and sequence, the corrected solution with spacing %r passes "
+            "through the ground within a half-cycle; only the state at the end of the half-cycle is exact",
             through,
             contact.size,
             sequence.spacing,

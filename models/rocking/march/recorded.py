@@ -141,20 +141,20 @@ def recorded_response(
         raise ValueError("verdict: can only be used with equation='nonlinear', without vertical and without history")
     if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
         raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
-    step = float(numbers("step", step, "a positive p dt", lanes=False))
+    step = float(numbers("step", step, "a positive step p dt", lanes=False))
     if not 0.0 < step <= LONGEST_STEP:
-        raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
+        raise ValueError(f"step: expected a positive step p dt of at most {LONGEST_STEP}, got {step!r}")
     if not (isinstance(last_term, int | float | np.floating) and last_term >= SMALLEST_LAST_TERM):
         raise ValueError(
             f"last_term: expected a share of alpha_c of at least {SMALLEST_LAST_TERM:g}, or inf, got {last_term!r}"
         )
-    factors = numbers("scale", scale, "a factor >= 0")
+    factors = numbers("scale", scale, "a scale factor >= 0")
     if np.any(factors < 0.0):
-        raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
-    own = numbers("block_scale", block_scale, "a factor >= 0")
+        raise ValueError(f"scale: expected a scale factor >= 0 or a (q,) array of them, got {scale!r}")
+    own = numbers("block_scale", block_scale, "a scale factor >= 0")
     if np.any(own < 0.0) or own.shape not in ((), block.shape):
         raise ValueError(
-            f"block_scale: expected a factor >= 0, or one for each block, shape {block.shape}, got {block_scale!r:.80}"
+            f"block_scale: expected a scale factor >= 0, or one for each block, {block.shape}, got {block_scale!r:.80}"
         )
     strongest = (
         max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))
@@ -164,8 +164,8 @@ def recorded_response(
     )
     if not strongest <= STRONGEST:
         raise ValueError(
-            f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
-            "is the record in m/s2, and the scale a factor?"
+            f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g} times; "
+            "is the record in m/s2, and is scale a multiplier?"
         )
     start = [
         numbers("initial_rotation", initial_rotation, "an angle in rad"),
@@ -196,7 +196,7 @@ def recorded_response(
         )
     free = np.broadcast_to(block.free, lanes).reshape(-1)
     if verdict is not None and not np.all(free):
-        raise ValueError("verdict: expected free-standing symmetric blocks")
+        raise ValueError("verdict: expected free-standing symmetric blocks, got others; leave verdict out")
     if gain == "tangent" and not np.all(block.symmetric):
         raise ValueError("gain: expected 'linear' for bodies with two different corners, got 'tangent'")
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)

@@ -143,12 +143,12 @@ def exceedance_intervals(
     """
     start = np.asarray(start, dtype=float)
     if start.ndim != 1:
-        raise ValueError(f"start: expected one factor for each block, (m,), got shape {start.shape}")
+        raise ValueError(f"start: expected a scale factor for each block, (m,), got shape {start.shape}")
     given = np.broadcast_to(np.asarray(points, dtype=float), start.shape)
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
     if not np.all(start > 0.0):
-        raise ValueError(f"start: expected positive factors, got {np.min(start)}")
+        raise ValueError(f"start: expected positive scale factors, got {np.min(start)}")
     if not np.all((given >= 2.0) & (given <= POINTS_MAX) & (given == np.floor(given))):
         raise ValueError(f"points: expected whole numbers from 2 to {POINTS_MAX}, got {points!r}")
     counts = given.astype(np.int64)

@@ -200,7 +200,7 @@ class OverturningSpectrum:
             )
         if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
             raise ValueError(
-                f"rotation: expected inf, as the spectrum was computed without rotations, got {rotation!r}"
+                f"rotation: expected inf, because the spectrum was computed without rotations, got {rotation!r}"
             )
         parts = self._parts(restitution)
         least, most = (np.concatenate(ends) for ends in list(zip(*parts, strict=True))[1:])
@@ -253,8 +253,8 @@ class OverturningSpectrum:
         lowest, highest = self.lanes.between
         if not np.all(covered_range(nominal, self.uncertainty, self.lanes.between)):
             raise ValueError(
-                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, lie "
-                f"in {lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
+                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} times it, are "
+                f"from {lowest:g} to {highest:g} and at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
                 f"{restitution!r:.80}"
             )
         least, most = (share * nominal for share in self.uncertainty.restitution)

@@ -74,7 +74,7 @@ class Uncertainty:
         expected = f"a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}"
         if not LEAST_SPREAD <= numbers("factor", self.factor, expected, lanes=False) <= LARGEST_SPREAD:
             raise ValueError(f"factor: expected {expected}, got {self.factor!r}")
-        expected = f"two or more restitutions divided by the nominal one, above 0, at most {LARGEST_SHARE:g}"
+        expected = f"two or more restitutions divided by the nominal one, above 0 and at most {LARGEST_SHARE:g}"
         shares = numbers("restitution", self.restitution, expected)
         if shares.size < 2 or np.any(shares <= 0.0) or np.any(shares > LARGEST_SHARE):
             raise ValueError(f"restitution: expected {expected}, got {self.restitution!r}")

@@ -237,7 +237,7 @@ def _march_lanes(
     least, most = (float(find([find(one) for one in pieces[1:]])) for find in (np.min, np.max))
     highest = -least if side else max(-least, most)
     if not highest > 0.0:
-        raise ValueError("acceleration: no sample has the sign that lifts a block beside a wall on this side")
+        raise ValueError("acceleration: expected samples that lift the block away from its wall, found none")
 
     def at_rate(place: int, threads: int) -> dict[str, Any]:
         rate = float(rates[place])
@@ -276,7 +276,7 @@ def check_strength(ground: np.ndarray) -> None:
     strongest = _largest(ground) / STANDARD_GRAVITY
     if strongest > STRONGEST:
         raise ValueError(
-            f"acceleration: expected at most {STRONGEST:g} times gravity, got {strongest:g}; is the record in m/s2?"
+            f"acceleration: expected at most {STRONGEST:g} times gravity, got {strongest:g} times; is it in m/s2?"
         )
 
 

@@ -202,7 +202,7 @@ def assess_sequence(
             sequence = sequence.sequence(gathered.lanes)
         except ValueError as error:
             outside = [body for body, covered in zip(gathered.names, inside, strict=True) if not covered]
-            advice = f"[[block]] {', '.join(outside)}: outside the design spectrum; remove them. " if outside else ""
+            advice = f"[[block]] {', '.join(outside)}: outside the spectrum's range; remove them. " if outside else ""
             raise ConfigError(f"{advice}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")

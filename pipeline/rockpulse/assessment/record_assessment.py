@@ -169,8 +169,8 @@ def _assess_at(
         rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
             warnings.append(
-                f"{model}: {outside} of {np.size(lanes.p)} bodies are outside the range on which the rule was fitted "
-                f"({rule.range_text}): its error rates do not apply to them"
+                f"{model}: {outside} of {np.size(lanes.p)} bodies are outside the range to which the rule was fitted "
+                f"({rule.range_text}): the error rates of the rule do not apply to them"
             )
     if warnings:
         scene = replace(scene, record=replace(scene.record, warnings=(*scene.record.warnings, *warnings)))

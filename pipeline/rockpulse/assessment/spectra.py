@@ -93,7 +93,7 @@ def overturning_spectrum(
     if method not in LANES:
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
     if method == "rule" and uncertainty not in (None, Uncertainty()):
-        raise ValueError("uncertainty: method 'rule' accepts only the default, with which it was fitted; leave it out")
+        raise ValueError("uncertainty: method 'rule' was fitted with the default, and accepts no other; leave it out")
     lanes = LANES[method](record, rates, threads, rotations=rotations)
     values = stored_spectrum_values(OverturningSpectrum(lanes, uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}

@@ -58,7 +58,7 @@ VERB = Verb(
             "--no-browser": "print the address, without opening a browser",
             "--port N": ("port of the server; default: a free one", {"type": _port, "default": 0}),
             "--close-after MINUTES": (
-                "time after the page was closed at which the server ends; default: %(default)g",
+                "time from the closing of the page to the end of the server; default: %(default)g",
                 {"type": _minutes, "default": 10.0},
             ),
         },

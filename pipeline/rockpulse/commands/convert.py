@@ -42,7 +42,7 @@ def _run(args: argparse.Namespace) -> int:
                 record = known[name]
                 size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
                 unsaid = record.orientation == "structural" and not writer.structure
-                place = f", on a structure, which {file.path.name} cannot store" if unsaid else ""
+                place = f"; recorded on a structure, which {file.path.name} cannot state" if unsaid else ""
                 tell(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
                 for warning in record.warnings:
                     tell(paragraph(warning, "      ", "    warning: "))

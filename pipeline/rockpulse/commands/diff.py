@@ -29,8 +29,8 @@ def _tolerance(words: str) -> float:
 VERB = Verb(
     name="diff",
     summary="list what changed between two results files",
-    description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
-    "verdicts that changed, scale factors and capacities over demand that crossed 1, and variables beyond a "
+    description="Compare two results files: versions and configuration, records, blocks and models that only one of "
+    "them has, verdicts that changed, scale factors and capacities over demand that crossed 1, and variables beyond a "
     "tolerance. Bodies are compared by the nonlinear model if it was run; its changes come first in every list. Rows "
     "are matched by name. Exit code 0: the results are the same, 1: they differ; differences of versions "
     "and configuration are listed, but do not change the exit code.",

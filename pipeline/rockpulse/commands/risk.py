@@ -85,7 +85,7 @@ VERB = Verb(
             'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '
             "[hazard]",
             "--site LONGITUDE": (
-                "position [degrees] of the site, for a hazard of several sites; the nearest one within 50 km is used",
+                "position [degrees] of the site, for a file of several curves; the nearest one within 50 km is used",
                 {"nargs": 2, "type": float, "metavar": ("LONGITUDE", "LATITUDE")},
             ),
             "--soil-factor S": (

@@ -36,7 +36,7 @@ def from_records(output: str, written: str = "file to write (HDF5)", bodies: boo
         "configuration; repeatable",
         "--bodies TABLE": "a table of bodies (CSV or XLSX, see rockpulse init-config --bodies), in addition to those "
         "of the configuration",
-        "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
+        "--confirm-size": "accept a --block larger than 30 m, lower than 5 cm, narrower than 1 mm, or wider than high",
     }
     return {
         "PATHS": ("files, folders, zip archives or patterns of records; default: [records] paths", {"nargs": "*"}),

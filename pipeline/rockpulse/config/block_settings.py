@@ -195,7 +195,7 @@ class BlockSettings(Section):
                 f"b_1, b_2, centre and gyration [m]; found {found}"
             )
         if self.width is None and (self.offset or self.lean or self.density or self.length):
-            raise ConfigError(f"{self.where}: offset, lean, density and length need width and height; remove them")
+            raise ConfigError(f"{self.where}: remove offset, lean, density and length, which need width and height")
         if self.compressive_strength is not None:
             free = not (self.ties or self.loads or self.thrusts)
             if self.density is not None and self.length is None and free:

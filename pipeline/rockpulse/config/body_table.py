@@ -69,8 +69,8 @@ def body_template() -> list[str]:
     others = [f"{name} [{unit}]" if unit else name for name, unit in _keys().items()]
     others = [one for one in others if one not in _TEMPLATE[0].split(",")]
     return [
-        "# Bodies of rockpulse assess RECORDS --bodies TABLE: one row for each body. Sizes are full; an empty cell is "
-        "the default.",
+        "# Bodies of rockpulse assess RECORDS --bodies TABLE: one row for each body. Sizes are full sizes; an empty "
+        "cell means the default.",
         f"# Further columns: {', '.join(others)}",
         *_TEMPLATE,
     ]

@@ -97,8 +97,8 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
     if entry.file_size > FILE_LIMIT:
         raise RecordRefused(f"{name}: {entry.file_size} bytes, expected at most {FILE_LIMIT}; shorten the record")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
-        found = f"its compression ratio is {entry.file_size / max(entry.compress_size, 1):.0f}, above {RATIO_LIMIT}"
-        raise RecordRefused(f"{name}: {found}, the limit; unpack it by hand if it is a record")
+        found = f"its compression ratio is {entry.file_size / max(entry.compress_size, 1):.0f}, above the limit"
+        raise RecordRefused(f"{name}: {found} of {RATIO_LIMIT}; unpack it by hand if it is a record")
     try:
         with archive.open(entry) as stream:
             # The declared size limits the read, even if the compressed data would expand further.

@@ -167,7 +167,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
         )
     if by_suffix is None and out.suffix and not out.is_dir():
         ends, advice = WRITERS[key].suffix, "correct the name, or, if it is meant as a folder, create it first"
-        raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
+        raise ConfigError(f"{out}: expected the suffix {ends} for the format {key}, found {out.suffix!r}; {advice}")
     if not folder and by_suffix != key:
         raise ConfigError(
             f"{out}: the suffix belongs to the format {by_suffix}, but the format is {key}; correct one of them"

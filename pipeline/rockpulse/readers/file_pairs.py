@@ -88,7 +88,7 @@ class PairSettings(Section):
             stated = f"the direction {record.azimuth:g} degrees" if off > SAME_LINE else ""
         if stated:
             raise RecordFormatError(
-                f"{name}: the file states {stated}, {self.where} calls it {side}; correct one of them", PAIR
+                f"{name}: the file states {stated}, but {self.where} calls it {side}; correct one of them", PAIR
             )
         record = replace(record, orientation="horizontal", together=f"{self.north} and {self.east}")
         if math.isfinite(record.azimuth):

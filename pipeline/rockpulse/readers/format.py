@@ -127,11 +127,11 @@ class ReadOptions:
             if units is not None:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
-                    conflict = f"the file states the unit {record.source_unit}, {units.where} says {given}"
+                    conflict = f"the file states the unit {record.source_unit}, but {units.where} says {given}"
                     stated = [Remedy("units", (record.source_unit,))] if record.source_unit in UNITS else []
                     raise UnitError(f"{record.source}: {conflict}; {self.advice('units')}", *stated)
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
-                conflict = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
+                conflict = f"the file states an interval of {record.dt:g} s, but {dt.where} says {dt.dt:g} s"
                 remedy = Remedy("dt", (f"{record.dt:.9g}",))
                 raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}", remedy)
 

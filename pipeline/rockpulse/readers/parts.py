@@ -168,7 +168,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
         else:
             channels[_channel(record)].append(record)
     for chain in (chain for one in channels.values() for chain in _chains(one)):
-        step = f"{len(chain)} files of one channel joined, each begins where the previous one ends"
+        step = f"{len(chain)} files of one channel joined: each begins where the previous one ends"
         result.append((chain[0] if len(chain) == 1 else _joined(chain, chain[0].id, step), tuple(chain)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
@@ -210,7 +210,7 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
         return ""
     numbers = [part[0].part for part in parts]
     if numbers != list(range(1, len(parts) + 1)):
-        return f"not joined: parts {', '.join(map(str, numbers))} were given"
+        return f"not joined: expected parts 1, 2 ..., found {', '.join(map(str, numbers))}"
     for before, after in pairwise(parts):
         if [(piece.component, piece.dt) for piece in before] != [(piece.component, piece.dt) for piece in after]:
             return f"not joined: parts {before[0].part} and {after[0].part} differ in their channels or intervals"

@@ -157,7 +157,7 @@ def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
         raise RecordFormatError(f"{name}: damaged gzip file ({fault}); download it again") from fault
     if len(content) > most:
         raise RecordRefused(
-            f"{name}: its compression ratio is above {RATIO_LIMIT}, the limit; unpack it by hand if it is a record"
+            f"{name}: its compression ratio is above the limit of {RATIO_LIMIT}; unpack it by hand if it is a record"
         )
     return content
 

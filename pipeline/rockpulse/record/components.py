@@ -15,13 +15,13 @@ from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
 
 _REASONS = {
-    "vertical": "vertical channel; it was read but not assessed, because only horizontal channels are",
-    "structural": "channel on a structure; it was read but not assessed, because only ground motion is",
+    "vertical": "vertical channel; it was read but not assessed: only horizontal channels are assessed",
+    "structural": "channel on a structure; it was read but not assessed: only ground motion is assessed",
 }
 _TAKEN = " ([records] structural = true assesses it as well)"
 _UPWARDS = (
-    "channel on a structure, vertical or in an unknown direction; it was read but not assessed, because only "
-    "horizontal channels are"
+    "channel on a structure, vertical or in an unknown direction; it was read but not assessed: only "
+    "horizontal channels are assessed"
 )
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _PAIR = Remedy("pair")

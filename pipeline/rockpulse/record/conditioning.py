@@ -274,7 +274,7 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     lead = record.dt * float(np.sum(filtered[:pad]) + 0.5 * filtered[pad])
     note = (
         f"filter: Butterworth {' and '.join(words)}, zero phase, order {order} each way (effective {2 * order}), "
-        f"pads of {pad * record.dt:.4g} s removed afterwards with a velocity of {lead:.3g} m/s; "
+        f"pads of {pad * record.dt:.4g} s removed afterwards (velocity at the first sample: {lead:.3g} m/s); "
         f"PGV {pgv(unfiltered):.4g} -> {pgv(cut):.4g} m/s, "
         f"largest half-wave impulse {half_waves(unfiltered).largest:.4g} -> {half_waves(cut).largest:.4g} m/s"
     )

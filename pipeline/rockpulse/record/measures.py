@@ -206,7 +206,7 @@ _TABLE = (
     ),
     _ratio(
         "demand_build_up",
-        "sum of (0.9 C)^k times the k-th largest lobe of p abs(E)/(g tan alpha_c), k from 0",
+        "sum of (0.9 C)^k times the k-th largest lobe of p abs(E)/(g tan alpha_c), k = 0 to 15",
         lambda on: on.demand.build_up,
     ),
 )

@@ -307,8 +307,8 @@ def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, 
     quiet = min((quiet_samples(channel) - 1) * channel.dt for channel in pair.channels)
     if quiet >= QUIET_LENGTH:
         return {**options, "pre_event_s": quiet}, f"pre-event window of both channels: 0 to {quiet:.4g} s"
-    note = f"pre-event window of both channels: {quiet:.4g} s only (needed: {QUIET_LENGTH:g} s), the mean instead"
-    return {**options, "baseline": "mean"}, note
+    note = f"pre-event window of both channels: {quiet:.4g} s only (needed: {QUIET_LENGTH:g} s)"
+    return {**options, "baseline": "mean"}, f"{note}: mean of all samples instead"
 
 
 def _after(record: Record, samples: float) -> datetime | None:

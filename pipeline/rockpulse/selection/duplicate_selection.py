@@ -212,10 +212,10 @@ class _DuplicateSelection:
         )
         rules = (
             f"this one was recorded {depth}, the other {'at' if of_accepted.level == 0.0 else 'nearer to'} the surface",
-            "its recording is confirmed ([records] confirm), the recording of this one is not",
+            "its recording is confirmed ([records] confirm), but the recording of this one is not",
             "all horizontal channels of its recording can be used, but not all those of this one's recording",
-            "its recording has two horizontal channels that can be rotated, the recording of this one does not",
-            "its recording has a vertical channel that can be used, the recording of this one does not",
+            "its recording has two horizontal channels that can be rotated, but the recording of this one does not",
+            "its recording has a vertical channel that can be used, but the recording of this one does not",
             f"{_PROCESSED[of_accepted.processed]} is preferred to {_PROCESSED[recording.processed]}",
             f"it has a sample every {of_accepted.dt:g} s, this one every {recording.dt:g} s",
             f"it lasts {of_accepted.duration:.6g} s, this one {recording.duration:.6g} s",

@@ -155,7 +155,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
     """Return the header of a CSV table, and each row as line number and cells; ConfigError if a column is missing."""
-    named = ", ".join(columns)
+    named = " and ".join(columns) if columns[1:] else f"{columns[0]} and factor (or level)"
     expected = f"a CSV table with the columns {named}"
     text = read_text(path, what=expected)
     try:

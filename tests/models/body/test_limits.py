@@ -91,7 +91,7 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
 
 @pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
 def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
-    with pytest.raises(ValueError, match="restitution: not for a one-sided body"):
+    with pytest.raises(ValueError, match="restitution: a one-sided body has none"):
         Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
 
 

@@ -171,7 +171,7 @@ def test_many_lanes_give_what_each_alone_gives():
         (([np.nan], 10.0, 64), "start: expected positive"),
         (([0.5], np.inf, 64), "factor_max: expected a positive number"),
         (([0.5], 0.0, 64), "factor_max: expected a positive number"),
-        ((0.5, 10.0, 64), "start: expected one factor for each block, .* got shape"),
+        ((0.5, 10.0, 64), "start: expected a scale factor for each block, .* got shape"),
         (([0.5], 10.0, 1), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 64.5), "points: expected whole numbers from 2"),
         (([0.5], 10.0, np.nan), "points: expected whole numbers from 2"),

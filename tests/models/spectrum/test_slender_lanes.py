@@ -124,9 +124,9 @@ def test_what_has_no_spectrum(acceleration, p, told):
 def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
     """A ground that is pushed one way only lifts a block before a wall on the one side of it, and not on the other."""
     push = np.where(np.arange(200) < 100, 3.0, 0.0)
-    with pytest.raises(ValueError, match="lifts a block beside a wall"):
+    with pytest.raises(ValueError, match="lift the block away from its wall"):
         spectrum_lanes(push, DT, P, side=1)
-    with pytest.raises(ValueError, match="lifts a block beside a wall"):
+    with pytest.raises(ValueError, match="lift the block away from its wall"):
         spectrum_lanes(-push, DT, P, side=-1)
     one, other = spectrum_lanes(-push, DT, P, side=1), spectrum_lanes(push, DT, P, side=-1)
     np.testing.assert_array_equal(one.log_x, other.log_x)

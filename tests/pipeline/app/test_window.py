@@ -109,9 +109,9 @@ def test_an_error_without_words_is_quoted_as_english():
 def test_notes_on_frequencies_are_translated():
     lost = "5% of the resamples give no curve, or no curve without one of their earthquakes"
     with writing("it"):
-        narrow = reason_words("the band is too narrow: 5 earthquakes, 14 are needed")
+        narrow = reason_words("the band is too narrow: 5 earthquakes, but 14 are needed")
         both = reason_words(
-            f"the band is too narrow: 5 earthquakes, 14 are needed; {lost}: they are left out of the band"
+            f"the band is too narrow: 5 earthquakes, but 14 are needed; {lost}: they are left out of the band"
         )
         ends = reason_words("12% of its frequency comes from levels above 0.4 g, where the hazard curve ends")
     assert narrow == "l'intervallo di confidenza è troppo stretto: i terremoti sono 5, ne servono 14"

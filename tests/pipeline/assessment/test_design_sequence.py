@@ -136,7 +136,7 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
 
 def test_a_body_outside_the_design_spectrum_is_refused_by_name():
     (name,) = list(SPECTRUM_BLOCKS)[2:]
-    with pytest.raises(ConfigError, match=rf"^\[\[block\]\] {name}: outside the design spectrum; remove them"):
+    with pytest.raises(ConfigError, match=rf"^\[\[block\]\] {name}: outside the spectrum's range; remove them"):
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match=r"slenderness 3.5 or more, .* not 1 of 3 blocks, the first at index 2"):
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)

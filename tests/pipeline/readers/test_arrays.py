@@ -112,4 +112,4 @@ def test_files_of_a_channel_are_joined_where_one_begins_as_the_other_ends(tmp_pa
     assert sorted(record.npts for record in records) == counts
     if counts == [800]:
         assert records[0].acceleration[400:] == pytest.approx(2.0 * records[0].acceleration[:400], abs=2e-5)
-        assert records[0].processing == ("2 files of one channel joined, each begins where the previous one ends",)
+        assert records[0].processing == ("2 files of one channel joined: each begins where the previous one ends",)

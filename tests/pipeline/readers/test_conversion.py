@@ -70,7 +70,7 @@ def test_miniseed_holds_all_and_has_a_station_file(tmp_path):
         ("out", None, "expected a format, one of at2, csv, mseed, found 'none'"),
         ("out.dat", None, r"found '\.dat'"),
         ("out.dat", "xls", "found 'xls'"),
-        ("out.txt", "csv", r"a file of the format csv ends in \.csv, found '\.txt'"),
+        ("out.txt", "csv", r"expected the suffix \.csv for the format csv, found '\.txt'"),
         ("out.csv", "at2", "the suffix belongs to the format csv, but the format is at2"),
         ("new", "mseed", "miniSEED holds all records in one file; name that file, such as"),
         ("missing/new/out.csv", None, "there is no folder .*missing/new; create it first"),

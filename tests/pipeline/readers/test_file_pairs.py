@@ -87,7 +87,7 @@ def test_files_of_other_length_or_interval_are_not_used(folder, samples, dt, exp
 @pytest.mark.parametrize(
     ("heading", "expected"),
     [
-        ("time [s] acc_N[g]", r"the file states the direction 0 degrees, .*a.txt. calls it east; correct one"),
+        ("time [s] acc_N[g]", r"the file states the direction 0 degrees, but .*a.txt. calls it east; correct one"),
         ("time [s] acc_Up[g]", "the file states the orientation vertical, "),
     ],
 )

@@ -162,8 +162,8 @@ def test_patterns_are_looked_for_beside_a_damaged_archive(bare):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"units": "cm/s2"}, 'states the unit g, [[records.file]] match = "*.AT2" says cm/s2; correct the wrong one'),
-        ({"dt": 0.02}, 'states an interval of 0.01 s, [[records.file]] match = "*.AT2" says 0.02 s; correct the wrong'),
+        ({"units": "cm/s2"}, 'states the unit g, but [[records.file]] match = "*.AT2" says cm/s2; correct the wrong'),
+        ({"dt": 0.02}, 'states an interval of 0.01 s, but [[records.file]] match = "*.AT2" says 0.02 s; correct'),
     ],
 )
 def test_a_file_that_states_something_else_than_its_pattern_fails(bare, given, words):

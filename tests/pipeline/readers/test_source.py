@@ -84,14 +84,14 @@ def test_gzip_is_known_by_its_bytes(tmp_path):
 def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
     bomb = gzip.compress(ONE + b"\n" * 6_000_000)
     (tmp_path / "bomb.AT2.gz").write_bytes(bomb)
-    with pytest.raises(RecordRefused, match=f"its compression ratio is above {source.RATIO_LIMIT}, the limit"):
+    with pytest.raises(RecordRefused, match=f"its compression ratio is above the limit of {source.RATIO_LIMIT}"):
         read(tmp_path / "bomb.AT2.gz" if kind == "path" else io.BytesIO(bomb))
 
 
 def test_what_is_compressed_as_many_times_as_the_limit_says_is_read():
     for size, content in ((2, bytes(1000)), (0, bytes(500))):
         assert source._unpack("a.gz", io.BytesIO(gzip.compress(content)), size, 10**9) == content
-        with pytest.raises(RecordRefused, match="its compression ratio is above 500, the limit"):
+        with pytest.raises(RecordRefused, match="its compression ratio is above the limit of 500"):
             source._unpack("a.gz", io.BytesIO(gzip.compress(content + b"1")), size, 10**9)
     assert source._unpack("a.gz", io.BytesIO(gzip.compress(bytes(1000))), 2, 7) == bytes(7)
 

@@ -22,7 +22,7 @@ from rockpulse.record.components import (
 )
 from rockpulse.record.record import Record
 
-VERTICAL = "vertical channel; it was read but not assessed, because only horizontal channels are"
+VERTICAL = "vertical channel; it was read but not assessed: only horizontal channels are assessed"
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
 

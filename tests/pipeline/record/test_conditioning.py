@@ -233,7 +233,7 @@ def test_half_of_an_impulse_at_the_first_sample_is_cut_off_with_the_pad(corner, 
     """By symmetry: without phase half of it comes before the first sample, of a gain of 1 at rest or of 0."""
     motion = record([2.0] + [0.0] * 4000)
     note = condition(motion, "none", taper_s=0.0, **corner).processing[-1]
-    stated = float(note.split("with a velocity of ")[1].split()[0])
+    stated = float(note.split("(velocity at the first sample: ")[1].split()[0])
     assert stated == pytest.approx(share * 2.0 * 0.01, rel=1e-3, abs=1e-6)
 
 

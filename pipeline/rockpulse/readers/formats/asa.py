@@ -121,7 +121,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         held.append(kit.held_length(duration, samples.size, step) + found)
     declared = header.text("NUMERO DE CANALES").strip()
     if declared.isdecimal() and int(declared) != len(numbers):
-        notes.append(f"the header states {declared[:9]} channels, the file has {len(numbers)} columns")
+        notes.append(f"the header states {declared[:9]} channels, but the file has {len(numbers)} columns")
     start_time, time_notes = _start_time(header)
     quality = header.below("CALIDAD DEL ACELEROGRAMA")
     if _DOUBTFUL.search(quality):
@@ -197,7 +197,9 @@ def _columns(
         else:
             table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
         surplus = rows - counts[0]
-        notes = [f"the header states {counts[0]} samples, the file has {rows} rows; all are kept"] if surplus else []
+        notes = (
+            [f"the header states {counts[0]} samples, but the file has {rows} rows; all are kept"] if surplus else []
+        )
         return list(table.reshape(rows, len(counts)).T), notes
     columns = []
     for index, count in enumerate(counts):

@@ -194,7 +194,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
     if named.orientation == titled.orientation:
         return titled, []
     upright = named if named.orientation == "vertical" else titled
-    return upright, ["only one of title and file name says that this is a vertical channel; it is used as vertical"]
+    return upright, ["title and file name disagree on whether the channel is vertical; it is used as vertical"]
 
 
 def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
@@ -203,7 +203,7 @@ def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
         if other and number != end + 1 and float(other["step"].lower()) != step:
-            used = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
+            used = f"an interval of {float(other['step'].lower()):g} s, but line {end + 1} {step:g} s, which is used"
             notes.append(f"line {number} of the header states {used}")
         notes += [WarningText("scale_stated", factor=float(scale[1].lower()))] if scale else []
     return notes

@@ -34,7 +34,7 @@ def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     starts = (start for start, _ in spans)
     counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
     units = kit.held_units((record.component, record.source_unit) for record in records)
-    missing = kit.completeness(file.name, counts, "files of this format hold")
+    missing = kit.completeness(file.name, counts, "files of this format have")
     azimuths = {record.component: record.azimuth for record in records}
     turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
     if abs(turn - 90.0) > _SQUARE:  # false for NaN, an unknown azimuth

@@ -267,7 +267,7 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: kit.Layout, com
 
 
 def _other_count(said: Collection[int], found: int, what: str) -> str:
-    return f"the header mentions {min(said)} samples, the file has {found} {what}; is it complete?"
+    return f"the header mentions {min(said)} samples, but the file has {found} {what}; is it complete?"
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
@@ -297,7 +297,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[Remedy]) -> R
         series = f"Give {given}: then they are read as one series if the values continue smoothly from row to row"
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
-        f"or one series in rows of {width}. {series}. Otherwise, write one value to a line, state the number of values "
+        f"or one series in rows of {width}. {series}. Otherwise, write one value per line, state the number of values "
         f"in the header (NPTS = ...), or {_name_them(width, False)}",
         *lacking,
     )
@@ -345,7 +345,7 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
-            found = f"the header mentions {listed} only; {kit.ACCELERATION_FILE}"
+            found = f"but the header mentions {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "a statement of which columns are accelerations", f"a header that mentions {listed}"
         raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
@@ -356,7 +356,7 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
         if not all(headings[index].kind for index in kept):
             found = f"acceleration in the header and {by_name} in the file name"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
-        note = f"the name of the file says {by_name}, the headings say acceleration; check which is right"
+        note = f"the name of the file says {by_name}, but the headings say acceleration; check which is right"
         columns = replace(columns, warnings=(*columns.warnings, note))
     return columns.picked(kept, f"columns left out because they are no accelerations: {left}") if left else columns
 

@@ -82,7 +82,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
     code = header.integer(2)
     where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        conflict = f"the title says {header.kind!r}, integer 2 of the header says {code}, {_OTHER_QUANTITIES[code]}"
+        conflict = f"the title says {header.kind!r}, but integer 2 of the header says {code}, {_OTHER_QUANTITIES[code]}"
         raise RecordFormatError(f"{where}: {conflict}; find out which is right and repair the header")
     if "accel" not in kind:
         raise kit.no_acceleration(where, "acceleration", repr(header.kind))

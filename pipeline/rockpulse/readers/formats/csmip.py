@@ -231,7 +231,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Chann
     step, rounding = kit.printed_number(layout.real_header_value(behind, 61))
     if abs(step - block.dt) > 1.01 * rounding:
         value = f"floating-point value 61 of the header states an interval of {step:g} s"
-        notes.append(f"{value}, the heading states {block.dt:g} s")
+        notes.append(f"{value}, but the heading states {block.dt:g} s")
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 

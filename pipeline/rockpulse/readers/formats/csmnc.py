@@ -117,7 +117,7 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
         return word, kit.direction(word), ["the component is taken from the file name"] if word else []
     facing = kit.direction(word)
     if named and kit.contradictory(kit.direction(named[1]), facing):
-        note = f"the header says {word}, the file name says {named[1].upper()}: the direction is unknown"
+        note = f"the header says {word}, but the file name says {named[1].upper()}: the direction is unknown"
         facing = kit.Direction(note=kit.doubted_direction(kit.direction(named[1]), facing, note))
     return word, facing, []
 

@@ -56,7 +56,7 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         raise kit.unexpected(f"{file.name}:{first + row + 1}", should, found, advice)
     start_time, notes = _start_time(header, float(table[0, 0]))
     if rows > (length + rounding) * rate + 1.0:
-        notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
+        notes.append(f"the header states {length:g} s at {rate:g} samples per s, but the file has {rows} rows")
     return [
         kit.build_record(
             file,

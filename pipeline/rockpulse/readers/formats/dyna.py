@@ -162,7 +162,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
     keys, end = _keys(lines, start)
     before, unknown = _before(lines[:start])
     header = _Header(name, end)
-    notes = [f"line {line}, before {_FIRST}, is not known and was not used: {text[:80]!r}" for line, text in unknown]
+    notes = [f"line {line}, before {_FIRST}, is unknown and was not used: {text[:80]!r}" for line, text in unknown]
     for key, value, line in [*before, *keys]:
         known = header.setdefault(key, kit.Entry(value, line=line))
         if known.text != value:
@@ -232,7 +232,7 @@ def _facing(stream: str, stem: str) -> kit.Direction:
     """Return the direction of the channel; unknown, with a warning, if header and file name disagree."""
     named = _NAMED.search(stem)
     word = (named[1] or named[2]) if named else ""
-    note = f"the header says {stream}, the file name says {word}: the direction is unknown"
+    note = f"the header says {stream}, but the file name says {word}: the direction is unknown"
     return kit.held_direction(kit.direction(stream), kit.direction(word), note)
 
 

@@ -50,7 +50,7 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     records = [components[span] for span in kept]
     pairs = zip(kept, records, strict=True)
     counts = (kit.Counted(start + 1, lines[start], record.component, _COMPONENTS) for (start, _), record in pairs)
-    notes += (*copies, *kit.completeness(file.name, counts, "files of this format hold"))
+    notes += (*copies, *kit.completeness(file.name, counts, "files of this format have"))
     units = ((record.component or str(number), record.source_unit) for number, record in enumerate(records, 1))
     return kit.with_warnings(records, (*notes, *kit.held_units(units)))
 
@@ -87,7 +87,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     notes += kit.held_lengths_of_units([peak[2], *others]) if peak else []
     component, azimuth = kit.matched(_COMPONENT, text[12]), int(integers[27])
     coded = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
-    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
+    note = f"the text says {component!r}, but integer 28 of the header says {azimuth}: the direction is unknown"
     record = kit.build_record(
         file,
         samples,

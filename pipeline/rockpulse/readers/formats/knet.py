@@ -40,7 +40,7 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     kit.check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
     component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
-        longer = f"duration and sampling frequency of the header give {declared} samples, the file has {stats.npts}"
+        longer = f"duration and sampling frequency of the header give {declared} samples, but the file has {stats.npts}"
         notes.append(f"{longer}; all are kept: is a line duplicated?")
     elif stats.npts > expected:
         wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
@@ -77,7 +77,7 @@ def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
     """Return the channel code and warnings; if the file extension and the header differ, the extension is used."""
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
-    note = f"the header says {channel}, the file name says {component}; the file name is used"
+    note = f"the header says {channel}, but the file name says {component}; the file name is used"
     doubted = kit.doubted_direction(kit.direction(channel.rstrip("12")), kit.direction(component.rstrip("12")), note)
     warnings = [] if component == channel else [doubted]
     if component.endswith("1"):

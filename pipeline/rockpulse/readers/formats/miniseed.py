@@ -79,7 +79,9 @@ def _held_rate(rate: float, channel: Any) -> list[str]:
     stated = rate if channel.sample_rate is None else float(channel.sample_rate)
     if abs(stated - rate) <= _RATE_TOLERANCE * rate:
         return []
-    return [f"the StationXML states {stated:g} samples per s, the data have {rate:g}; the interval of the data is used"]
+    return [
+        f"the StationXML states {stated:g} samples per s, but the data have {rate:g}; the interval of the data is used"
+    ]
 
 
 MINISEED = Format(

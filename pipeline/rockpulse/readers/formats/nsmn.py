@@ -43,7 +43,7 @@ def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     peaks = {name.upper(): kit.printed_number(value) for name, value in _PEAK.findall(header.text("RAW PGA VALUES"))}
     (start_time, notes), date = _start_time(header), header.text("EARTHQUAKE DATE")
     if peaks and sorted(peaks) != sorted(components):
-        notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
+        notes.append(f"the header states the peaks of {', '.join(peaks)}, but the columns are {', '.join(components)}")
     place = header.text("PLACE")
     with suppress(UnicodeEncodeError):  # ISO-8859-9 differs from Latin-1 in six letters
         place = place.encode("latin-1").decode("iso8859-9")

@@ -56,7 +56,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if header.get("idep") not in (*_SERIES, _ACCELERATION) and kit.kind_of_name(file) not in ("", "acceleration"):
         raise kit.other_kind(file.name, kit.kind_of_name(file))
     if series:
-        raise kit.NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
+        raise kit.NotAcceleration(f"{file.name}: expected an acceleration, but the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; {kit.GIVE_UNIT.advice(file.name)}",

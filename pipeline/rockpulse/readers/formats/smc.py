@@ -136,8 +136,8 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
     for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
         stated, found = reals[number], sign * float(np.max(sign * block.values))
         if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # false for NaN, a value that is not stated
-            value = f"{stated:g} cm/s2 as the {what} value"
-            notes.append(f"floating-point value {number + 1} of the header states {value}, the samples have {found:g}")
+            value = f"{stated:g} cm/s2 as the {what} value, but the samples have {found:g}"
+            notes.append(f"floating-point value {number + 1} of the header states {value}")
         notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
@@ -150,8 +150,8 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
         coded = kit.Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
     elif 0.0 <= azimuth <= 360.0:
         coded = kit.Direction("horizontal", float(azimuth) % 360.0)
-    integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
-    note = f"the text says {component!r}, integers 13 and 14 of the header say {integers_say}: the direction is unknown"
+    said = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
+    note = f"the text says {component!r}, but integers 13 and 14 of the header say {said}: the direction is unknown"
     return kit.held_direction(kit.direction(component), coded, note)
 
 

@@ -69,7 +69,7 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
     said, has = stated / kit.UNITS["g"], found / kit.UNITS["g"]
     return [
         *notes,
-        f"the header states {said:.3g} g as the root mean square, the samples have {has:.3g} g; check the unit",
+        f"the header states {said:.3g} g as the root mean square, but the samples have {has:.3g} g; check the unit",
     ]
 
 

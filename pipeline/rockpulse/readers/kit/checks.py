@@ -164,7 +164,7 @@ class Counted(NamedTuple):
 
 
 def completeness(
-    name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
+    name: str, channels: Iterable[Counted], whose: str = "the header states", closed: bool = False
 ) -> tuple[str, ...]:
     """Return a warning for each recorder with missing channels; raise an error if a channel occurs twice.
 
@@ -184,7 +184,7 @@ def completeness(
     if closed and len(first) == 1:
         return ()
     return tuple(
-        f"{whose} {counted[recorder]} channels of this recorder, the file holds {len(numbers)}; it may be truncated"
+        f"{whose} {counted[recorder]} channels of this recorder, but this file has {len(numbers)}; it may be truncated"
         for recorder, numbers in held.items()
         if len(numbers) < counted[recorder]
     )

@@ -24,10 +24,10 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
     """Return the direction of each column from its heading; for a single column also from header text and file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
-        for stated, whose in ((stated_direction(prose), "header text"), (name_direction(file), "name of the file")):
-            note = f"the {whose} says {stated.label}, another statement says {found[0].label}; the direction is unknown"
-            upright = "vertical" in (stated.orientation, found[0].orientation)
-            found = [held_direction(found[0], stated, note)]
+        for own, text in ((stated_direction(prose), "header text"), (name_direction(file), "name of the file")):
+            note = f"the {text} says {own.label}, but another statement says {found[0].label}; the direction is unknown"
+            upright = "vertical" in (own.orientation, found[0].orientation)
+            found = [held_direction(found[0], own, note)]
             if upright and found[0].orientation == "unknown":
                 found = [replace(found[0], orientation="vertical")]
     if positive_downwards(prose):
@@ -75,7 +75,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
         remedy = Remedy("units", (stated,))
         right = f"--units {stated}, or in the configuration:\n" + remedy.lines(name, f'"{stated}"')
         wrong = f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
-        return UnitError(f"{found}, {wrong}", remedy)
+        return UnitError(f"{found}, but {wrong}", remedy)
 
     for heading in headings:
         where = f"{name}: column {heading.name!r}"
@@ -88,7 +88,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
             wrong = stated or named[0][0]
             if UNITS[unit] != UNITS[wrong] and (stated or not asked):
                 whose = f"the column {heading.name!r}" if stated else f"line {named[0][1].line}"
-                found = f"the header states the unit {line.wording!r}, {whose} says {wrong}"
+                found = f"the header states the unit {line.wording!r}, but {whose} says {wrong}"
                 raise UnitError(f"{name}:{line.line}: {found}; correct the wrong one")
         if stated is None and asked is None and named:
             stated = named[0][0]

@@ -106,7 +106,7 @@ class CosmosHeader:
             stated = f"{words!r} and {code} (integer 54 of the header)"
             return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
-            note = f"the text says {words!r}, integer 54 of the header says {code}: the direction is unknown"
+            note = f"the text says {words!r}, but integer 54 of the header says {code}: the direction is unknown"
             return Direction(note=doubted_direction(said, coded, note))
         return coded if np.isnan(said.azimuth) else said
 

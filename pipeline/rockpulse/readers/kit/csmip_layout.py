@@ -273,7 +273,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
     text = _row(behind, 1)[_POINTS]
     if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
         return []
-    return [f"integer 28 of the header states {int(text)} points, the text states {points}"]
+    return [f"integer 28 of the header states {int(text)} points, but the text states {points}"]
 
 
 def real_header_value(behind: Sequence[str], number: int) -> str:
@@ -290,7 +290,7 @@ def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, pe
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
         value = f"floating-point value {number} of the header states a peak of {stated:.4g} g"
-        return [f"{value}, the samples have {found:.4g} g"]
+        return [f"{value}, but the samples have {found:.4g} g"]
     return []
 
 
@@ -300,9 +300,9 @@ def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Di
     coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
         coded = Direction("vertical", sign=1.0 if code == _UP else -1.0)
-    note = f"the text says {component!r}, integer 27 of the header says {code}: the direction is unknown"
+    note = f"the text says {component!r}, but integer 27 of the header says {code}: the direction is unknown"
     facing = held_direction(direction(component), coded, note)
     for other in repeated:
-        note = f"the text says {component!r}, another line of the header says {other!r}: the direction is unknown"
+        note = f"the text says {component!r}, but another line of the header says {other!r}: the direction is unknown"
         facing = facing if facing.note else held_direction(facing, direction(other), note)
     return facing

@@ -32,7 +32,7 @@ _CENTURY = 30  # two-digit years from 30 on are in the 1900s: accelerographs exi
 def clock_fault(moment: datetime) -> str:
     """Return the reason why a start time cannot be right; empty if it is plausible."""
     if moment.year < _FIRST_YEAR:
-        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is earlier than any accelerogram; it was left out"
     if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
         return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
     return ""

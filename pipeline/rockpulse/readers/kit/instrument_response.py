@@ -25,7 +25,7 @@ _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.0
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
 #: Relative difference of the product of the stage gains and the stated sensitivity above which there is a warning.
 GAIN_TOLERANCE = 0.05
-_OTHER_MOTION = "the sensitivity is stated for {}, the stages of the response begin with {}"
+_OTHER_MOTION = "the sensitivity is stated for {}, but the stages of the response begin with {}"
 #: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
 #: The response is removed where it exceeds this share of its maximum; noise grows by at most the inverse of the share.

@@ -119,7 +119,7 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
             stated = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
             return Direction("vertical", note=WarningText("vertical_by_code", channel=code, stated=stated))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
-            both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
+            both = f"the channel code says {code!r}, but the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
             note = doubted_direction(named, Direction(lies), f"the direction is unknown: {both}")
             return Direction(note=note)
     if lies == "vertical" and dip is not None:
@@ -127,7 +127,7 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
     if lies != "horizontal" or azimuth is None:
         return named if named.orientation == lies else Direction(lies)
     off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN if the code names no axis
-    note = f"the channel code says {code!r}, the azimuth is {azimuth:g} degrees, which is used"
+    note = f"the channel code says {code!r}, but the azimuth is {azimuth:g} degrees, which is used"
     return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
 
 

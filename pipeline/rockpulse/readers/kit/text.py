@@ -68,7 +68,7 @@ def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELER
 def other_kind(where: str, kind: str) -> OtherKind:
     """Return the error for a file whose name alone says that it contains velocity or displacement."""
     advice = f"{ACCELERATION_FILE}, or rename the file if it contains accelerations"
-    return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
+    return OtherKind(f"{where}: expected accelerations, found {kind}, as the file name says; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
@@ -146,7 +146,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
         if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
             found = repr(field.strip()[:40] or "a blank field")
             raise unexpected(f"{where}:{line}", "a finite number", found, "correct the line")
-    raise RecordFormatError(f"{where}: expected finite numbers, found a field that is none; correct the fields")
+    raise RecordFormatError(f"{where}: expected finite numbers, found a field without one; correct the fields")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:

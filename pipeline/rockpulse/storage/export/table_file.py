@@ -37,8 +37,8 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
         return
     if len(table) >= SHEET_ROWS:
         raise ResultsError(
-            f"{len(table)} rows, but a sheet has at most {SHEET_ROWS - 1}: select fewer (--where, --limit), or a name "
-            "that ends in .csv or .parquet"
+            f"{len(table)} rows, but a sheet has at most {SHEET_ROWS - 1}: select fewer rows (--where, --limit), or "
+            "choose a name that ends in .csv or .parquet"
         )
     with part.open("wb") as file, pd.ExcelWriter(file, engine="openpyxl") as writer:
         written = 0

@@ -202,7 +202,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     """Return the confidence limits of the frequency and of the probability, or the reason why they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
-        return {"statement": f"no band: {counted(events, 'event')}, {FEWEST_EVENTS} are needed"}
+        return {"statement": f"no band: {counted(events, 'event')}, but {FEWEST_EVENTS} are needed"}
     estimate = math.log(whole.frequency)
     limits = band_of(
         rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
@@ -212,7 +212,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
     reasons = []
     if events < LEAST_EVENTS:
-        reasons.append(f"the band is too narrow: {counted(events, 'event')}, {LEAST_EVENTS} are needed")
+        reasons.append(f"the band is too narrow: {counted(events, 'event')}, but {LEAST_EVENTS} are needed")
     if limits.lost:
         reasons.append(f"{lost}: they are left out of the band")
     found: dict[str, Any] = {"statement": "; ".join(reasons)}

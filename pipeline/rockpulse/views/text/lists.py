@@ -147,7 +147,7 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
         Heading("of" if of_records else "under"),
     )
     marks = col.marks_of(cell for row in table for cell in row)
-    what = ("Bodies overturned", "of which body") if of_records else ("Records that overturn", "under which record")
+    what = ("Bodies overturned", "for which body") if of_records else ("Records that overturn", "under which record")
     notes = [
         f"{what[0]}: by the {answers.model} model. {factor_heading(answers.factor)}: smallest known "
         f"{factor_name(answers.factor)}, and {what[1]}.",

@@ -31,7 +31,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
     marks = col.marks_of(cell for margin in every for cell in col.margin_cells(margin))
-    note = "Below 1: the record overturns the body before it is as strong as the demand."
+    note = "Below 1: the record overturns the body at a scale factor below that of the demand."
     if answers.probable:
         note = "Below 1: scaled to the demand, the record overturns the body with a probability above 10 %."
     if col.NONE_UP_TO in marks:
@@ -45,7 +45,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     if partial := max(margin.partial for margin in every):
         note += f" {col.AT_MOST.note[:-1]} (up to {partial} of {each})."
     if weak := max(margin.weak for margin in every):
-        note += f" Left out: those too weak for the search to reach the demand (up to {weak} of {each})."
+        note += f" Left out: {each} too weak for the search to reach the demand (up to {weak})."
     heading = f"Capacity ({_capacity(answers)}) over demand: smallest and median of {of}"
     return "\n".join([paragraph(heading), "", *_lines(answers, rows, col.NAME_WIDTH), "", paragraph(note, "  ")])
 

@@ -141,7 +141,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
         missing = np.isnan(risk["frequency_low"].values[known]).all()
         notes.append(
             f"{'no interval' if missing else 'the intervals may be too narrow'}: "
-            f"{several(int(risk.attrs['events']), 'earthquake')}, {4 if missing else LEAST_EVENTS} are needed."
+            f"{several(int(risk.attrs['events']), 'earthquake')}, but {4 if missing else LEAST_EVENTS} are needed."
         )
     if not known.all():
         lost = risk["body"].values[~known].tolist()
@@ -188,10 +188,9 @@ def standing_overview(standing: xr.Dataset) -> str:
     order = np.argsort(chance, kind="stable")[: min(MOST_BODIES, int(np.isfinite(chance).sum()))]
     largest = _rate(float(np.max(standing["largest"].values, initial=0.0)))
     note = (
-        f"survival: exp(-lambda {age:g}), its probability; factor on the hazard: multiplier of the annual rates at "
+        f"survival: its probability, exp(-lambda {age:g}); factor on the hazard: multiplier of the annual rates at "
         f"which survival would be {share(1.0 - confidence)} and lambda {largest} per year; a body with a factor "
-        f"below 1 "
-        f"contradicts the hazard at a confidence of {share(confidence)}."
+        f"below 1 contradicts the hazard at a confidence of {share(confidence)}."
     )
     return _table_text(f"Bodies that have survived {age:g} years", selected, standing.isel({dim: order}), [note])
 

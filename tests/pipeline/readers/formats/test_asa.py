@@ -112,7 +112,7 @@ def test_rows_beyond_the_count_are_kept_with_a_warning(write):
     content = asa(TABLE).replace(b"/400/400/400", b"/398/398/398")
     record = read(write(content))[0]
     assert record.npts == 400
-    assert "states 398 samples, the file has 400 rows" in record.warnings[0]
+    assert "states 398 samples, but the file has 400 rows" in record.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -180,7 +180,7 @@ def test_the_number_of_the_largest_sample_is_held_against_the_samples(write, sam
 
 def test_another_number_of_channels_is_told(write):
     content = asa(TABLE).replace(b"CANALES                      : 3", b"CANALES                      : 6")
-    assert read(write(content))[2].warnings == ("the header states 6 channels, the file has 3 columns",)
+    assert read(write(content))[2].warnings == ("the header states 6 channels, but the file has 3 columns",)
 
 
 @pytest.mark.parametrize(

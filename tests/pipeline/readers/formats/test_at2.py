@@ -403,7 +403,7 @@ def test_the_header_of_nrc(write):
     text = "\n".join(head).encode() + b"\n" + wrapped(VALUES, 5, field="{:15.7E}")
     (record,) = read(write(text))
     assert (record.dt, record.npts, record.source_unit) == (0.01, 400, "g")
-    assert any("an interval of 0.005 s, line 5 one of 0.01 s" in note for note in record.warnings)
+    assert any("an interval of 0.005 s, but line 5 0.01 s" in note for note in record.warnings)
     assert any("scale factor of 1.5" in note for note in record.warnings)
 
 

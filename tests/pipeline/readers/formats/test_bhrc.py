@@ -88,5 +88,5 @@ def test_the_letter_of_the_component(letter, told):
 
 def test_a_file_that_ends_before_its_third_channel_says_so():
     records = got(bhrc(THREE[:2]))
-    assert all("hold 3 channels of this recorder, the file holds 2" in record.warnings[-1] for record in records)
+    assert all("have 3 channels of this recorder, but this file has 2" in record.warnings[-1] for record in records)
     assert not any(record.warnings for record in got(bhrc(THREE)))

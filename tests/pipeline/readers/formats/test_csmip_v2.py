@@ -165,6 +165,6 @@ def test_channels_that_the_header_counts_and_the_file_lacks(write):
     assert not any(record.warnings for record in read(write(first + second + third)))
     for content in (first + second, first + third):
         for record in read(write(content)):
-            assert "the header counts 3 channels of this recorder, the file holds 2" in record.warnings[0]
+            assert "the header states 3 channels of this recorder, but this file has 2" in record.warnings[0]
     assert read(write(second))[0].warnings == ()
-    assert "the file holds 1" in read(write(second[: second.index(b"/&")]))[0].warnings[0]
+    assert "this file has 1" in read(write(second[: second.index(b"/&")]))[0].warnings[0]

@@ -62,7 +62,7 @@ def test_a_header_without_times_is_no_fault():
 def test_more_rows_than_the_header_states_are_reported():
     record = got(cwb(THREE, length="4"))[0]
     assert record.npts == 400
-    assert "the header states 4 s at 50 samples per s, the file has 400 rows" in record.warnings[0]
+    assert "the header states 4 s at 50 samples per s, but the file has 400 rows" in record.warnings[0]
 
 
 @pytest.mark.parametrize(("length", "told"), [("7.98", 0), ("7.96", 1), ("0.01", 1)])

@@ -164,7 +164,7 @@ def test_other_lines_before_the_title_are_told_and_not_used():
     content = b"\n# exported by hand\nAAD_LOW_CUT_FREQUENCY_HZ: five\nNDATA: 7\n" + dyna(VALUES)
     record = got_one(content)
     assert record.npts == VALUES.size
-    assert [note.partition(" is not known")[0] for note in record.warnings] == [
+    assert [note.partition(" is unknown")[0] for note in record.warnings] == [
         f"line {line}, before EVENT_NAME," for line in (2, 3, 4)
     ]
     assert "'# exported by hand'" in record.warnings[0]
@@ -233,7 +233,7 @@ def test_the_name_of_the_file_has_the_component_too(tmp_path, name, azimuth):
     (record,) = read(tmp_path / name)
     assert record.azimuth == pytest.approx(np.nan if azimuth is None else azimuth, nan_ok=True)
     word = "HNN" if "HNN" in name else "N"
-    note = f"the header says HNE, the file name says {word}: the direction is unknown"
+    note = f"the header says HNE, but the file name says {word}: the direction is unknown"
     assert record.warnings == ((note,) if azimuth is None else ())
 
 

@@ -124,6 +124,6 @@ def test_components_without_a_name_are_counted():
 def test_a_file_that_ends_before_its_third_component_says_so():
     records = got(geonet(THREE[:2], ["N10E", "N80W"]))
     assert [record.warnings[-1] for record in records] == [
-        "files of this format hold 3 channels of this recorder, the file holds 2; it may be truncated"
+        "files of this format have 3 channels of this recorder, but this file has 2; it may be truncated"
     ] * 2
     assert not any(record.warnings for record in got(geonet(THREE)))

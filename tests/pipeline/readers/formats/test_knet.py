@@ -101,7 +101,7 @@ def test_more_samples_than_the_duration_are_another_record(write, surplus, refus
     if not refused:
         (record,) = read(write(content))
         assert record.npts == 500 + surplus
-        said = f"duration and sampling frequency of the header give 500 samples, the file has {500 + surplus}"
+        said = f"duration and sampling frequency of the header give 500 samples, but the file has {500 + surplus}"
         assert any(note.startswith(said) for note in record.warnings) is (surplus > 0)
         return
     with pytest.raises(RecordFormatError, match=rf"expected 500 .* found {500 + surplus}; .* more than one"):

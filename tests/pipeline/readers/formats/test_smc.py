@@ -107,11 +107,17 @@ UNEVEN = [1.0, 5.0, 50.0, 7.0, -3.0, -20.0, -2.0, 0.5, 0.0, 3.0, 1.0, -1.0, 0.0,
     [
         ({}, []),
         ({30: 51.0, 32: -21.0}, []),  # two hundredths of the peak away
-        ({30: 51.5}, ["floating-point value 30 of the header states 51.5 cm/s2 as the largest value, the"]),
-        ({30: 48.5}, ["floating-point value 30 of the header states 48.5 cm/s2 as the largest value, the"]),
-        ({32: -21.5}, ["floating-point value 32 of the header states -21.5 cm/s2 as the least value, the"]),
-        ({30: 0.0}, ["floating-point value 30 of the header states 0 cm/s2 as the largest value, the samples have 50"]),
-        ({32: 0.0}, ["floating-point value 32 of the header states 0 cm/s2 as the least value, the samples have -20"]),
+        ({30: 51.5}, ["floating-point value 30 of the header states 51.5 cm/s2 as the largest value, but the"]),
+        ({30: 48.5}, ["floating-point value 30 of the header states 48.5 cm/s2 as the largest value, but the"]),
+        ({32: -21.5}, ["floating-point value 32 of the header states -21.5 cm/s2 as the least value, but the"]),
+        (
+            {30: 0.0},
+            ["floating-point value 30 of the header states 0 cm/s2 as the largest value, but the samples have 50"],
+        ),
+        (
+            {32: 0.0},
+            ["floating-point value 32 of the header states 0 cm/s2 as the least value, but the samples have -20"],
+        ),
         ({29: 0.28}, ["the header states the peak at 0.28 s, .* the samples have it at 0.04 s"]),
         ({31: 0.3}, ["the header states the peak at 0.3 s, .* the samples have it at 0.1 s"]),
         ({29: 0.0, 30: 0.0, 31: 9.0, 32: 0.0}, []),  # nobody has filled them in

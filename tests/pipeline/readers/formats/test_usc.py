@@ -123,7 +123,7 @@ def test_the_root_of_the_mean_square_holds_the_unit(write, values, square, told)
     notes = [note for note in record.warnings if "root mean square" in note]
     assert bool(notes) is told
     if square == "1.202":
-        assert notes == ["the header states 0.12 g as the root mean square, the samples have 0.1 g; check the unit"]
+        assert notes == ["the header states 0.12 g as the root mean square, but the samples have 0.1 g; check the unit"]
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
 
 def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
     (warning,) = record(header_peak=(0.6, 0.0), peak_factor=G).warnings
-    assert warning.startswith("the header states a peak of 0.6 g, the data have 0.3 g; check the unit")
+    assert warning.startswith("the header states a peak of 0.6 g, but the data have 0.3 g; check the unit")
     assert record(header_peak=(-0.302, 0.0), peak_factor=G).warnings == ()
     assert record(header_peak=(0.4, 0.1001), peak_factor=G).warnings == ()
 
@@ -68,11 +68,15 @@ def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
     ("stated", "code", "words"),
     [
         (0.306 * G, None, ""),
-        (0.31 * G, "header_peak_near", "the header states a peak of 0.31 g, the data have 0.3 g: 3.2 % less"),
-        (-0.449 * G, "header_peak_near", "the header states a peak of 0.449 g, the data have 0.3 g: 33.2 % less"),
-        (0.451 * G, "header_peak", "0.451 g, the data have 0.3 g; check the unit and that the file is whole"),
-        (0.201 * G, "header_peak_near", "the header states a peak of 0.201 g, the data have 0.3 g: 49.3 % more"),
-        (0.199 * G, "header_peak", "0.199 g, the data have 0.3 g; check"),
+        (0.31 * G, "header_peak_near", "the header states a peak of 0.31 g, but the data have 0.3 g: 3.2 % less"),
+        (-0.449 * G, "header_peak_near", "the header states a peak of 0.449 g, but the data have 0.3 g: 33.2 % less"),
+        (
+            0.451 * G,
+            "header_peak",
+            "0.451 g, but the data have 0.3 g; check the unit, and whether the file is complete",
+        ),
+        (0.201 * G, "header_peak_near", "the header states a peak of 0.201 g, but the data have 0.3 g: 49.3 % more"),
+        (0.199 * G, "header_peak", "0.199 g, but the data have 0.3 g; check"),
         (0.0, "header_peak", "the header states a peak of 0 g"),
     ],
 )
@@ -100,7 +104,7 @@ def test_the_header_describes_the_peak_before_resampling():
     samples = np.array([0.0, 2.0, -1.0])
     assert record(samples=samples, unit="m/s2", header_peak=(3.0, 0.0), original_peak=3.0).warnings == ()
     (warning,) = record(samples=samples, unit="m/s2", header_peak=(2.0, 0.0), original_peak=3.0).warnings
-    assert "a peak of 0.2039 g, the data have 0.3059 g" in warning
+    assert "a peak of 0.2039 g, but the data have 0.3059 g" in warning
 
 
 def test_the_unit_of_an_odd_peak():

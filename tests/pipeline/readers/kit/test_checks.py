@@ -209,9 +209,9 @@ def test_the_reals_of_a_channel():
 def test_the_count_in_the_integers():
     for rows, points in ((BEHIND, 35430), ([], 35430), (ROWS[:1], 5), (["    0" * 16] * 7, 35430)):
         assert held_count(rows, points) == []
-    assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text states 35429"]
+    assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, but the text states 35429"]
     assert held_count(BEHIND, 100_000) == []  # for which there is no room
-    assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, the text states 99999"]
+    assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, but the text states 99999"]
     assert held_count([ROWS[0], ROWS[1].replace("35430", "    1")], 2) != []
 
 
@@ -366,7 +366,7 @@ def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:
 )
 def test_fewer_channels_than_are_counted(numbers, counted, closed, warned):
     notes = completeness("a.V1", channels(numbers, counted), closed=closed)
-    words = f"the header counts 3 channels of this recorder, the file holds {len(numbers)}; it may be truncated"
+    words = f"the header states 3 channels of this recorder, but this file has {len(numbers)}; it may be truncated"
     assert notes == ((words,) if warned else ())
 
 
@@ -391,5 +391,5 @@ def test_channels_without_a_number_and_of_another_kind_are_others():
 def test_the_largest_count_of_a_recorder_holds():
     uneven = [Counted(1, "A", "1", 2), Counted(5, "A", "2", 4), Counted(9, "A", "3", 2)]
     assert completeness("a.V1", uneven, "its numbers tell of") == (
-        "its numbers tell of 4 channels of this recorder, the file holds 3; it may be truncated",
+        "its numbers tell of 4 channels of this recorder, but this file has 3; it may be truncated",
     )

@@ -253,7 +253,7 @@ def test_channels_that_the_header_counts_and_the_file_lacks(write):
     content = cosmos(pulse())
     assert read(write(content))[0].warnings == ()
     (record,) = read(write(content[: content.index(b"End-of-data")]))
-    assert "the header counts 3 channels of this recorder, the file holds 1" in record.warnings[0]
+    assert "the header states 3 channels of this recorder, but this file has 1" in record.warnings[0]
 
 
 @pytest.mark.parametrize(

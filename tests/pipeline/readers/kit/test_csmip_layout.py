@@ -211,7 +211,7 @@ def test_the_words_of_a_header():
         ("start time: 11/02/68, 3:04: 5.25 UTC", (2068, 11, 2, 3, 4, 5, 250000), ""),
         ("start time: 11/ 2/99 3:04:05 PDT", (1999, 11, 2, 10, 4, 5), ""),
         ("start time: 11/02/1999, 23:59:30 PST", (1999, 11, 3, 7, 59, 30), ""),
-        ("start time: 11/02/100, 3:04:05 UTC", None, "before the first accelerograms"),
+        ("start time: 11/02/100, 3:04:05 UTC", None, "earlier than any accelerogram"),
         ("start time: 1/1/1980, 0:04:05 PST", None, "that of a clock that was never set"),
         ("start time: 13/02/1999, 3:04:05 UTC", None, "cannot be read"),
         ("start time: 11/02/1999, 3:04:0.5.5 UTC", None, "cannot be read"),

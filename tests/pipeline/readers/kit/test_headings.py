@@ -147,7 +147,7 @@ def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, he
     if units is None:
         assert read(path)[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
         return
-    with pytest.raises(UnitError, match=r"column '.*' states (cm/s2|gal), the option units says g"):
+    with pytest.raises(UnitError, match=r"column '.*' states (cm/s2|gal), but the option units says g"):
         read(path, units=units)
 
 
@@ -164,7 +164,7 @@ def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, he
 )
 def test_the_unit_of_the_prose_has_to_agree_and_answers_only_with_the_word_for_it(write, header):
     path = write(series(header))
-    found = r"record.txt:1: the header says '.*', the option units says g; correct the wrong one"
+    found = r"record.txt:1: the header says '.*', but the option units says g; correct the wrong one"
     with pytest.raises(UnitError, match=found) as caught:
         read(path, units="g")
     (hint,) = re.findall(r"(?s)if the header is right, give --units (\S+), or .*units = \"\1\"", str(caught.value))

@@ -94,7 +94,7 @@ def test_sensitivities_of_no_acceleration_are_refused():
             "M/S",
             (2.0, 300.0),
             "M/S**2",
-            "stated for velocity, the stages of the response begin with acceleration",
+            "stated for velocity, but the stages of the response begin with acceleration",
         ),
         (600.0, "COUNTS", (2.0, 300.0), "CM/S**2", ""),
         (600.0, "CM/S**2", (2.0, 300.0), "PA", ""),
@@ -332,7 +332,13 @@ STAGES = "the product of the stage gains differs from the sensitivity of the res
         ),
         (1.0, 0.01, 100.0, "M/S**2", []),
         (5.0, 0.01, 5.0, None, []),
-        (106.0, 1.0, 100.0, "M/S", ["the sensitivity is stated for velocity, the stages of the response begin with "]),
+        (
+            106.0,
+            1.0,
+            100.0,
+            "M/S",
+            ["the sensitivity is stated for velocity, but the stages of the response begin with "],
+        ),
         (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: the polarity is reversed"]),
         (
             110.0,

@@ -97,7 +97,7 @@ def test_the_integrals_of_a_file_are_skipped_whatever_their_heading(tmp_path, he
 def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
     path = tmp_path / "m.vel"
     path.write_text(rows(pulse()), encoding="ascii")
-    with pytest.raises(OtherKind, match="velocity, as its name says"):
+    with pytest.raises(OtherKind, match="velocity, as the file name says"):
         read(path, units="g")
     path.write_text("t [s],acc [g]\n" + rows(pulse()).replace(" ", ","), encoding="ascii")
     assert any("says velocity" in note for note in read(path)[0].warnings)
@@ -191,7 +191,7 @@ def test_a_vertical_name_is_not_assessed_as_the_horizontal_title_says(tmp_path):
     (tmp_path / "PIC-UP.AT2").write_bytes(at2("EQ 01/01/99, A STATION, E"))
     (record,) = read(tmp_path / "PIC-UP.AT2")
     assert record.orientation == "vertical"
-    assert any("says that this is a vertical channel" in note for note in record.warnings)
+    assert any("disagree on whether the channel is vertical" in note for note in record.warnings)
     (tmp_path / "PIC-UP.AT2").write_bytes(at2("no title at all"))
     assert read(tmp_path / "PIC-UP.AT2")[0].orientation == "vertical"
 

@@ -314,7 +314,7 @@ def test_channels_side_by_side_are_no_series_in_rows(write, width, short):
     motion = [np.convolve(random.standard_normal(230), np.hanning(31), "valid") for _ in range(width)]
     rows = [" ".join(f"{value:.5f}" for value in row) for row in np.column_stack(motion)]
     path = write("\n".join([*rows, "0.1 0.2 0.3"] if short else rows).encode())
-    with pytest.raises(RecordFormatError, match=r"do not continue smoothly .*Otherwise, write one value to a line"):
+    with pytest.raises(RecordFormatError, match=r"do not continue smoothly .*Otherwise, write one value per line"):
         read(path, units="g", dt=0.01)
 
 

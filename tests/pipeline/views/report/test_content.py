@@ -101,7 +101,7 @@ def test_without_a_spectrum_there_are_no_code_checks_and_a_missing_table_is_name
         code_checks(results_tree(), code="circolare_2009")
     tree = checked_tree('spectrum = "table"\nfile = "nowhere.csv"')
     found = page_content(tree, checked=code_checks(tree)).check
-    assert "the table nowhere.csv of the spectrum is not found" in found.warnings[0]
+    assert "the table nowhere.csv of the spectrum was not found" in found.warnings[0]
 
 
 def test_ties_floors_and_density_are_among_the_facts_of_a_body():

@@ -147,7 +147,7 @@ def test_stored_texts_are_translated_with_their_numbers():
     record = Record(np.sin(np.arange(4000) * 0.05) + 0.5, dt=0.01, id="a", processed=False)
     drift = WarningText("baseline_drift", velocity=-0.96, slow=0.31, rest=0.2, pgv=0.96)
     warnings, codes = with_codes([drift, WarningText("of_channel", channel="HNE", warning=WarningText("dead_channel"))])
-    structural = "channel on a structure; it was read but not assessed, because only ground motion is"
+    structural = "channel on a structure; it was read but not assessed: only ground motion is assessed"
     with writing("it"):
         assert result_texts(f"{structural} ([records] structural = true assesses it as well)").startswith(
             "canale su una"

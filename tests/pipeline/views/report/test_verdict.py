@@ -66,7 +66,7 @@ def test_each_body_has_one_row_for_its_governing_demand_and_the_annex_has_all():
     shown, cases = body_table(answers(summary), [both]), body_table(answers(summary), [both], every=True)
     assert [len(shown.rows), len(cases.rows)] == [1, 2]
     assert "overturns" in [cell.text for cell in shown.rows[0]]
-    assert shown.footnotes == ("One row a body: its governing demand and restitution; the annex has every case.",)
+    assert shown.footnotes == ("One row per body: its governing demand and restitution; the annex has every case.",)
     assert (body_table(answers(summary), [found]).footnotes, cases.footnotes) == ((), ())
 
 
