@@ -1,11 +1,12 @@
-"""The overturning spectrum of a ground motion, which gives the capacity of every slender free-standing block.
+"""The overturning spectrum of a ground motion: the scale factors that overturn slender free-standing blocks.
 
-.. note:: S(p, C) = 1/exp(E ln x_c) [m/s], with x_c the x = f p/(g tan alpha) at which a block overturns: it does if S
-   exceeds g tan(alpha)/p. A sample of scale factor and geometry shifts ln x by Z with a known density h
-   (:class:`Uncertainty`), so P(x; p, C) is the outcome v_i of the lanes (sampled blocks) with a C in the range of the
-   block, smoothed with h:
+.. note:: A block under the record times the scale factor f has x = f p/(g tan alpha) [s/m]. S(p, C) = exp(-mean ln x_c)
+   [m/s], with x_c the random x at which the block overturns; under the unscaled record a block overturns if S exceeds
+   g tan(alpha)/p. Uncertain scale factor and geometry shift ln x by a random Z of density h (:class:`Uncertainty`), so
+   P(x) is a weighted mean of the outcomes v_i (1 if lane i overturns) of the lanes (sampled blocks, each with the
+   weight w_i) whose C is in the range of the block:
 
-   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 if lane i overturns
+   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x)
 
    (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
 """

@@ -113,9 +113,10 @@ class Rule:
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
         """Return for each of (m,) blocks a sequence equivalent to the record; a block that does not lift gets zeros.
 
-        Use it with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
-        half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, with S_i = (1 - C^i)/(1 - C).
-        N main impulses overturn it if v_N >= 1; I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
+        Use it with ``sequence_response(..., paired=True)``; the spacing is "continuous", the limit of infinitely many
+        secondary impulses. With sigma = I_s/I, u_1 = I/I_1c (I_1c overturns the block alone) and S_i = (1 - C^i)/(1 -
+        C), half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1. I = D I_1c/[(1 - sigma) S_N
+        + sigma/2] gives v_N = D, so N main impulses overturn the block if the demand D is at least 1.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
