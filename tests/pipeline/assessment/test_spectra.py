@@ -144,7 +144,7 @@ def test_by_the_rule_nothing_overturns_before_it_lifts():
 
 
 def test_the_rule_takes_no_other_uncertainty():
-    with pytest.raises(ValueError, match="method 'rule' accepts only the default"):
+    with pytest.raises(ValueError, match="method 'rule' was fitted with the default, and accepts no other"):
         overturning_spectrum(RECORD, P, C, method="rule", uncertainty=rp.models.Uncertainty(factor=0.2))
 
 

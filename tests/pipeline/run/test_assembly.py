@@ -195,6 +195,6 @@ def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     parts = list(done)
     parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
-    with pytest.raises(ValueError, match=r"/pga: expected .* shape \(4,\) from index 0 on, found the shape \(5"):
+    with pytest.raises(ValueError, match=r"/pga: expected .* fit \(4,\) from index 0 on, found the shape \(5"):
         assemble(tmp_path / "results.h5", empty_tree(bodies, config), parts)
     assert list(tmp_path.iterdir()) == []

@@ -94,7 +94,9 @@ def test_real_records_are_surveyed_as_they_are_read(records_folder):
 def test_parts_that_do_not_join_keep_their_warning(folder):
     (folder / "curicoparte2.v1").rename(folder / "curicoparte3.v1")
     located = assert_same(folder)
-    assert any("not joined: parts 1, 3" in note for one in located for note in one.record.warnings)
+    assert any(
+        "not joined: expected parts 1, 2 ..., found 1, 3" in note for one in located for note in one.record.warnings
+    )
 
 
 @pytest.mark.sweep
