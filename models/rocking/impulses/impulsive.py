@@ -94,7 +94,7 @@ def impulsive_response(
     own = numbers("block_scale", block_scale, "a scale factor")
     if own.shape not in ((), block.shape):
         raise ValueError(
-            f"block_scale: expected a scale factor, or one for each block, {block.shape}, got {block_scale!r:.80}"
+            f"block_scale: expected a scale factor, or an array {block.shape} of them, got {block_scale!r:.80}"
         )
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")

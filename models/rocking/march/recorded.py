@@ -154,7 +154,7 @@ def recorded_response(
     own = numbers("block_scale", block_scale, "a scale factor >= 0")
     if np.any(own < 0.0) or own.shape not in ((), block.shape):
         raise ValueError(
-            f"block_scale: expected a scale factor >= 0, or one for each block, {block.shape}, got {block_scale!r:.80}"
+            f"block_scale: expected a scale factor >= 0, or an array {block.shape} of them, got {block_scale!r:.80}"
         )
     strongest = (
         max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))

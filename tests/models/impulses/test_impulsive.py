@@ -276,7 +276,7 @@ def test_narrow_half_waves_tend_to_impulses(gain, equation, slenderness):  # F9
         ([0.0], [0.1], {"history_dt": 0.0}, "history_dt"),
         ([0.0], [0.1], {"scale": np.nan}, "scale"),
         ([0.0], [0.1], {"scale": [[1.0]]}, "scale"),
-        ([0.0], [0.1], {"block_scale": [1.0]}, "block_scale: expected a scale factor, or one for each"),
+        ([0.0], [0.1], {"block_scale": [1.0]}, "block_scale: expected a scale factor, or an array"),
         ([0.0], [0.1], {"block_scale": np.inf}, "block_scale: expected a scale factor, finite"),
         ([0.0, 0.0, 3.0, 2.0, 1.0], [0.1] * 5, {}, r"got 3\.0 s before 2\.0 s at index 2"),
     ],
