@@ -249,7 +249,7 @@ def calibrated(paths: list[str], output: str) -> None:
 
 def many_bodies(path: str, output: str) -> None:
     """Print the time of one record on many bodies, which share their marches or not, from its file to the results."""
-    for count, spectrum in ((100, "none"), (100, "auto"), (1_000, "auto"), (10_000, "auto")):
+    for count, spectrum in ((100, "none"), (100, "all"), (100, "auto"), (1_000, "auto"), (10_000, "auto")):
         config = replace(configuration(count), uncertainty=UncertaintySettings(spectrum=spectrum))
         times = []
         for _ in range(6):

@@ -131,11 +131,12 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
 def spread(call: Callable[[Item, int], Found], items: Sequence[Item], threads: int | None) -> Iterator[Found]:
     """Yield ``call(item, inner)`` for each item in order, computed in threads; each call may use `inner` threads."""
     threads = _allowed(threads)
-    if threads == 1 or len(items) < threads:
+    if threads == 1 or len(items) < 2:
         yield from (call(item, threads) for item in items)
         return
-    with ThreadPoolExecutor(threads) as pool:
-        yield from pool.map(lambda item: call(item, 1), items)
+    inner = max(1, threads // len(items))
+    with ThreadPoolExecutor(min(threads, len(items))) as pool:
+        yield from pool.map(lambda item: call(item, inner), items)
 
 
 def _allowed(threads: int | None) -> int:

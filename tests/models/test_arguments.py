@@ -18,7 +18,7 @@ from rocking.arguments import common_shape, numbers, positive, record_samples
     ],
 )
 def test_masked_and_complex_values_are_refused(values):
-    with pytest.raises(ValueError, match="ground: expected a "):
+    with pytest.raises(ValueError, match=r"ground: expected an? "):
         record_samples("ground", values)
     with pytest.raises(ValueError, match="size: expected a length, "):
         numbers("size", values, "a length")
@@ -67,7 +67,7 @@ def test_a_record_has_two_finite_samples_at_least_and_cannot_be_written_to():
     assert (taken.flags.writeable, given.flags.writeable) == (False, True)
     for values in ([], [1.0], 1.0, [[1.0, 2.0], [3.0, 4.0]]):
         with pytest.raises(
-            ValueError, match=r"^ground: expected a \(n,\) array of at least 2 samples in m/s2, got shape"
+            ValueError, match=r"^ground: expected an \(n,\) array of at least 2 samples in m/s2, got shape"
         ):
             record_samples("ground", values)
     for values, place in (([np.nan, 1.0, np.nan], 0), ([2.0, 1.0, np.inf, np.nan], 2), ([2.0, -np.inf], 1)):

@@ -8,7 +8,7 @@ import pytest
 from recorded_cases import synthetic
 
 from rocking import Block, recorded_response
-from rocking.lanes import available_cores, split_lanes, thread_limit
+from rocking.lanes import available_cores, split_lanes, spread, thread_limit
 
 
 @pytest.mark.parametrize("threads", [None, 1, 2, 5])
@@ -142,3 +142,17 @@ def test_fewer_lanes_than_two_slices_run_in_the_calling_thread():
         split_lanes(lambda first, last: names.append(threading.current_thread().name), lanes, 4, smallest=20)
     assert names[0] == threading.current_thread().name
     assert threading.current_thread().name not in names[1:]
+
+
+@pytest.mark.parametrize(("threads", "items", "inner"), [(1, 3, 1), (4, 1, 4), (4, 2, 2), (4, 3, 1), (2, 5, 1)])
+def test_calls_on_items_share_the_threads_and_their_results_are_in_order(threads, items, inner):
+    found = list(spread(lambda item, own: (item, own), range(items), threads))
+    assert found == [(item, inner) for item in range(items)]
+
+
+def test_an_error_of_one_item_comes_back_and_a_limit_holds():
+    with pytest.raises(ZeroDivisionError):
+        list(spread(lambda item, _: 1 / item, [1, 0, 2], 2))
+    with thread_limit(1):
+        names = set(spread(lambda *_: threading.current_thread().name, range(5), None))
+    assert names == {threading.current_thread().name}

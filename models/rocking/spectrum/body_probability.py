@@ -8,7 +8,7 @@
 
 import math
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -97,11 +97,11 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
     return min(first, last - 1), last
 
 
-@cache
+@lru_cache(maxsize=32)
 def _counts(size: int) -> np.ndarray:
     """Return how often each sample is counted: once in the first row, at random in the RESAMPLES other rows."""
     drawn = np.random.default_rng(size).integers(size, size=(RESAMPLES, size))
-    return np.array([np.ones(size), *(np.bincount(row, minlength=size) for row in drawn)])
+    return np.array([np.ones(size), *(np.bincount(row, minlength=size) for row in drawn)], dtype=np.uint8)
 
 
 def _interval(name: str, values: np.ndarray) -> dict[str, float]:

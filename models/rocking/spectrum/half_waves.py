@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.arguments import ArrayLike
+from rocking.arguments import ArrayLike, positive
 from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, spread
@@ -142,9 +142,9 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
     >>> lobes.sizes.round(2).tolist()  # 0.3 - 0.2/e, and the second one alone
     [0.23, -0.2]
     """
-    corners, ground = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
+    corners, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     times, sizes = np.empty((2, corners.size // 3 + 1))
-    count = weighted_lobes(corners, ground, float(rate), POINTS, times, sizes)
+    count = weighted_lobes(corners, ground, float(positive("rate", rate, "1/s", lanes=False)), POINTS, times, sizes)
     return Lobes(times[:count][::-1].copy(), sizes[:count][::-1].copy())
 
 
@@ -219,7 +219,7 @@ def lobe_shapes(
     ([1, 2], [0.0, 0.0])
     """
     corners, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
-    nodes = np.atleast_1d(np.asarray(rates, dtype=float))
+    nodes = np.atleast_1d(positive("rates", rates, "1/s"))
     count, ratio, interval = np.zeros(nodes.size, dtype=np.int64), np.zeros(nodes.size), np.zeros(nodes.size)
 
     def some(first: int, last: int) -> None:
@@ -273,12 +273,12 @@ def _spectra(
     capacity, rest = np.zeros((2, slender.shape[0])), np.ones(slender.shape[0], dtype=bool)
     for inside, arguments in shared_groups(slender, uncertainty, FIRST + SECOND, SHARED_DENSITY):
         shared = piece_lanes(times, ground, **arguments, threads=threads, rotations=False)
-        factors = OverturningSpectrum(shared, uncertainty).factors(slender.take(inside))
+        factors = OverturningSpectrum(shared, uncertainty, threads=threads).factors(slender.take(inside))
         capacity[:, inside], rest[inside] = (factors.factor_mean, factors.factor_10), False
     reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
     others = np.flatnonzero(rest)
-    lanes = body_piece_lanes(times, ground, slender.take(others), uncertainty, threads, second=SECOND)
     if others.size:
+        lanes = body_piece_lanes(times, ground, slender.take(others), uncertainty, threads, second=SECOND)
         found = spread(lambda one, _: lane_capacity(one, uncertainty, reach), lanes, threads)
         capacity[:, others] = np.array(list(found)).T
     return largest * SPEED / capacity

@@ -119,7 +119,7 @@ def covered(
     """Return a mask (m,) of slender bodies to which a spectrum of free blocks, or of blocks beside a wall, applies.
 
     Their p and their random restitutions must lie within the ranges of the sampled blocks of the spectrum; a range of C
-    narrower than a tenth of the sampled range contains too few samples.
+    narrower than LEAST_SHARE of the covered range contains too few samples.
     """
     alone = slender_bodies(block) & (np.asarray(block.side) == side)
     return alone & slender_within(block.weaker, p) & covered_range(block.restitution, uncertainty, between)
@@ -157,6 +157,8 @@ class OverturningSpectrum:
         Lanes of the record (:func:`rocking.spectrum_lanes`); each block has its own range of restitution.
     interpolation : float
         Model error that intervals include, as a standard deviation of ln f [-].
+    threads : int, optional
+        Number of threads that read it; None for all available cores. The results do not depend on it.
 
     Attributes
     ----------
@@ -171,9 +173,13 @@ class OverturningSpectrum:
     """
 
     def __init__(
-        self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None, interpolation: float = INTERPOLATION
+        self,
+        lanes: SpectrumLanes,
+        uncertainty: Uncertainty | None = None,
+        interpolation: float = INTERPOLATION,
+        threads: int | None = None,
     ) -> None:
-        self.lanes = lanes
+        self.lanes, self.threads = lanes, threads
         self.interpolation = interpolation
         self.uncertainty: Uncertainty = uncertainty or Uncertainty()
         self.p: np.ndarray = lanes.p
@@ -283,7 +289,7 @@ class OverturningSpectrum:
 
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
         places = np.union1d(above[share > 0.0], below[share < 1.0]).tolist()
-        for here, own, spread_here in spread(at_rate, places, None):
+        for here, own, spread_here in spread(at_rate, places, self.threads):
             probability[here] += own
             variance[here] += spread_here
         return probability, np.sqrt(variance)

@@ -14,7 +14,8 @@ from rocking.spectrum.slender_lanes import FIRST, LEAST_RESTITUTION, RATES, REBO
 #: and the model error as a standard deviation of ln f [-].
 SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 47)
 FEWEST_SHARING, SHARED_INTERPOLATION = 64, 0.005
-#: Sides of the bodies that share a spectrum, and the range of C that it covers: a body uses the first that covers it.
+#: Sides of the bodies that share a spectrum, and the range of C that it covers: a body uses the first that
+#: covers it and that enough bodies share.
 SHARED_RANGES = ((0, (0.84, 1.0)), (0, (LEAST_RESTITUTION, 1.0)), (1, REBOUNDS), (-1, REBOUNDS))
 
 
@@ -24,7 +25,8 @@ def shared_groups(
     """Yield the indices of blocks that share a spectrum, and the arguments of :func:`spectrum_lanes` for this spectrum.
 
     Without a spectrum each block needs `own` samples; a spectrum has `density` samples per unit of C in the second
-    stage at each frequency parameter. A group is omitted if sharing a spectrum would not reduce the number of samples.
+    stage at each frequency parameter. A group is omitted if it has
+    fewer than FEWEST_SHARING blocks, or if sharing a spectrum would not reduce the number of samples.
     """
     rest = np.ones(block.shape, dtype=bool)
     for side, between in SHARED_RANGES:

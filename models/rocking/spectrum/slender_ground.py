@@ -126,7 +126,8 @@ class SlenderGround:
         self._after = [(0.0, np.zeros(2))]
         for first in reversed(self._firsts[1:]):
             tables = self._tables(first, 0.0, *self._after[0])
-            self._after.insert(0, (tables.points[0, RESPONSE] + tables.points[0, SPEED], tables.blocks[0, AHEAD:]))
+            left = tables.blocks[0, AHEAD:].copy()
+            self._after.insert(0, (tables.points[0, RESPONSE] + tables.points[0, SPEED], left))
         self._single = self._tables(0, 0.0, *self._after[0]) if len(self._firsts) == 1 else None
 
     def __iter__(self) -> Iterator[tuple[Tables, bool]]:
@@ -197,10 +198,12 @@ def weighted_lobes(
         late = (whole - step * decay) / (rate * step)
         for k in range(points - 1, -1, -1):
             weighted = decay * weighted + whole * (ground[i] + rise * k) + late * rise
-            if weighted == 0.0:
+            if not abs(weighted) > 0.0:  # NaN, too
                 continue
             here = np.sign(weighted)
             if here != side:
+                if count == tops.size:
+                    return count
                 count, side = count + 1, here
             elif abs(weighted) < abs(sizes[count - 1]):
                 continue

@@ -146,6 +146,8 @@ def spectrum_lanes(
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
     between = between or (REBOUNDS if side else (LEAST_RESTITUTION, 1.0))
+    if not 0.0 < between[0] < between[1] <= 1.0:
+        raise ValueError(f"between: expected two ascending restitutions above 0, at most 1, got {between!r}")
     times = interval * np.arange(ground.size)
     return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
 

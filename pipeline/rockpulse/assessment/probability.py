@@ -138,7 +138,9 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
     # A spectrum does not apply with a vertical acceleration, and a record of zeros has no spectrum.
     has_spectrum = scene.vertical is None and bool(np.any(record.acceleration))
-    for inside, spectrum in _spectra(record, found.block, config) if has_spectrum else ():
+    lifted = np.flatnonzero(np.isfinite(lifting))  # the record may only push blocks against their wall
+    for among, spectrum in _spectra(record, found.block.take(lifted), config) if has_spectrum else ():
+        inside = lifted[among]
         every = config.uncertainty.spectrum == "all"
         stored = spectrum if every and spectrum.lanes.side == 0 else stored
         if inside.size:

@@ -230,7 +230,7 @@ def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"rebound": 0.5}, "rebound: only for a body with one_sided=True"),
+        ({"rebound": 0.5}, "rebound: expected one_sided=True as well"),
         ({"loads": [Load(1e3, 2.0)]}, "because a load moves with the body"),
         ({"one_sided": "yes"}, "one_sided: expected True or False"),
     ],

@@ -321,3 +321,16 @@ def test_many_blocks_share_the_lanes_of_a_spectrum():
         assert 0.0 < np.max(np.abs(np.log(ratio))) < 0.05
     fewer = demand_of_half_waves(blocks.take(np.arange(130)), *waves)
     assert np.array_equal(fewer.march, shared.march[:130])  # a block does not depend on the others
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, math.nan, math.inf])
+def test_lobes_need_a_positive_frequency_parameter(rate):
+    with pytest.raises(ValueError, match="rates: expected"):
+        lobe_shapes([0.0], [0.3], [0.6], [1.0], [2.0, rate])
+    with pytest.raises(ValueError, match="rate: expected"):
+        impulse_lobes([0.0], [0.3], [0.6], [1.0], rate)
+
+
+def test_half_waves_that_are_no_numbers_have_no_lobes():
+    with pytest.raises(ValueError, match="expected finite numbers"):
+        impulse_lobes([0.0, 1.0], [0.3, 1.3], [0.6, 1.6], [1.0, math.nan], 2.0)

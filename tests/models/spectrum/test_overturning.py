@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale
+from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale, overturning_probability
 from rocking.spectrum.overturning import (
     INTERPOLATION,
     TWO_SIDED,
@@ -69,6 +69,21 @@ def test_a_pulse_that_overturns_without_an_impact_has_its_capacity_and_its_logno
     assert read.factor_50 == pytest.approx(capacity, rel=0.01)
     assert np.log(read.factor_10 / capacity) == pytest.approx(-1.2816 * 0.05, abs=0.012)
     assert read.at_one == pytest.approx(ndtr(-np.log(capacity) / 0.05), abs=0.03)
+
+
+@pytest.mark.parametrize("nominal", [0.9, 0.985])
+def test_bodies_whose_restitution_may_exceed_1_have_no_other_error_than_others(nominal):
+    """P of the spectrum against samples of each body, at the frequency parameters of the spectrum."""
+    block = Block.from_parameters(p=P, alpha=0.08, restitution=nominal, log=False)
+    factor = np.geomspace(0.2, 2.0, 40)
+    errors = []
+    for seed in range(4):
+        motion = synthetic_motion(seed, pga=4.0)[:2000]
+        spectrum = OverturningSpectrum(spectrum_lanes(motion, DT, P, rotations=False, second=6400))
+        own = overturning_probability(block, motion, DT, factor_max=1e3)
+        every = np.outer(np.ones(P.size), factor)
+        errors.append(spectrum.overturning(block, every) - own.overturning(every))
+    assert abs(np.mean(errors)) < 0.006
 
 
 def test_a_record_twice_as_strong_has_twice_the_spectrum(spectrum):

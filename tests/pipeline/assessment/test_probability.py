@@ -86,6 +86,7 @@ def test_slender_bodies_have_what_the_spectrum_of_the_record_tells_if_all_of_it_
     # third of ln f.
     for name in ("factor_10", "factor_50", "factor_mean"):
         assert np.all((read[f"{name}_low"] < found[name]) & (found[name] < read[f"{name}_high"]))
+        assert np.median(np.abs(np.log(read[name] / found[name]))) < 0.1
 
 
 def test_the_probability_of_uplift_is_that_of_draws(found):
@@ -240,6 +241,16 @@ def test_the_spectrum_is_stored_at_all_of_its_parameters_if_it_is_asked_for():
             for name, values in stored_spectrum_values(one.spectrum).items():
                 assert_array_equal(one.spectra[name], values)
                 assert np.isfinite(values).all(), name
+
+
+def test_a_record_that_lifts_many_bodies_in_one_sense_only_is_assessed_in_this_sense():
+    pushing = rp.Record(np.abs(motion()), DT, id="one", processed=True)
+    walls = [rp.BlockSettings(name=f"wall {k}", width=0.4, height=4.0 + 0.01 * k, one_sided=True) for k in range(70)]
+    config = configured(*walls)
+    bodies = gather_bodies(config.bodies).lanes
+    senses = [overturning_probability(bodies, sign * pushing.acceleration, DT).at_one for sign in (1.0, -1.0)]
+    assert min(map(np.max, senses)) == 0.0 < max(map(np.max, senses))
+    assert_allclose(told(pushing, config)["overturning_probability"], np.maximum(*senses), atol=0.05)
 
 
 @pytest.mark.sweep
