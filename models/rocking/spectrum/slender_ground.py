@@ -18,8 +18,6 @@ from rocking.spectrum.slender_piece import LONGEST, hyperbolic
 
 #: Number of nodes in a group; the nodes of a group are searched together.
 BLOCK = 16
-#: Largest length of the parts of pieces if some are longer than `LONGEST` [-]: few of them need a search for impacts.
-DIVIDED = 0.025
 #: Number of pieces in one set of tables, so that records of days need no more memory than those of minutes.
 AT_ONCE = 2**16
 
@@ -117,7 +115,7 @@ class SlenderGround:
         count = pieces[0].size
         self._divided = np.max(pieces[0]) * rate > LONGEST
         if self._divided:
-            parts = np.maximum(np.ceil(pieces[0] * rate / DIVIDED), 1.0)
+            parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0)
             self._starts = np.append(0.0, np.cumsum(parts)).astype(np.int64)
             count = int(self._starts[-1])
             del parts
