@@ -33,7 +33,7 @@ def configured(*blocks, **sections):
     return rp.Config(**{"models": NONLINEAR, "bodies": blocks} | sections)
 
 
-def told(one, config):
+def probabilities(one, config):
     """By name, of all bodies and their restitutions."""
     return record_probability(scene_of_record(one, config), gather_bodies(config.bodies), config)[0]
 
@@ -56,7 +56,7 @@ def seed_of(name, seed=0):
 @pytest.fixture(scope="module")
 def found():
     """A wall, a pier, and a chest that is too squat for the limit of slender blocks."""
-    return told(record("one"), configured(WALL, PIER, CHEST))
+    return probabilities(record("one"), configured(WALL, PIER, CHEST))
 
 
 def test_every_body_has_samples_of_its_own(found):
@@ -73,7 +73,7 @@ def test_every_body_has_samples_of_its_own(found):
 @pytest.mark.sweep
 def test_slender_bodies_have_what_the_spectrum_of_the_record_tells_if_all_of_it_is_asked_for(found):
     demands = (rp.DemandSettings(name="ULS", value=4.0),)
-    read = told(record("one"), configured(WALL, PIER, CHEST, uncertainty=ALL, demands=demands))
+    read = probabilities(record("one"), configured(WALL, PIER, CHEST, uncertainty=ALL, demands=demands))
     block = Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5]))
     spectrum = OverturningSpectrum(lanes())
     assert read["probability_source"].tolist() == [SPECTRUM, SPECTRUM, NONLINEAR_EQUATION]
@@ -94,7 +94,7 @@ def test_the_probability_of_uplift_is_that_of_draws(found):
     strength = 1.8 * np.exp(0.1 * rng.standard_normal(200_000))
     alpha = block.alpha_c * np.exp(-0.05 * np.abs(rng.standard_normal(200_000)))
     drawn = np.mean(strength > block.gravity * np.tan(alpha))
-    near = told(record("one", peak=1.8), configured(PIER))["uplift_probability"][0]
+    near = probabilities(record("one", peak=1.8), configured(PIER))["uplift_probability"][0]
     # In closed form tan(alpha) is taken as proportional to alpha.
     assert 0.6 < near == pytest.approx(drawn, abs=0.005)
     assert found["uplift_probability"][:2].tolist() == [1.0, 1.0]
@@ -102,7 +102,7 @@ def test_the_probability_of_uplift_is_that_of_draws(found):
 
 def test_bodies_do_not_change_each_others_numbers(found):
     for place, one in ((0, WALL), (2, CHEST)):
-        alone = told(record("one"), configured(one))
+        alone = probabilities(record("one"), configured(one))
         for name in PROBABILITY:
             assert alone[name][0] == found[name][place], (one.name, name)
 
@@ -124,7 +124,7 @@ def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
     summary = assess([one], configured(several, PIER, demands=demands))["summary"]
     assert summary["factor_50"].dims == ("record", "block", "case")
     for case, restitution in enumerate(several.restitution):
-        alone = told(one, configured(replace(WALL, restitution=restitution), demands=demands))
+        alone = probabilities(one, configured(replace(WALL, restitution=restitution), demands=demands))
         for name in (*NAMES, "demand_probability", "probability_source"):
             assert summary[name].sel(block="wall").isel(case=case).values.ravel() == pytest.approx(
                 alone[name].ravel()
@@ -132,7 +132,7 @@ def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
     wall = summary["factor_50"].sel(block="wall").values.ravel()
     assert wall[0] < wall[1]  # the livelier one overturns before
     # A body with one value has it in both cases.
-    pier = told(one, configured(PIER))
+    pier = probabilities(one, configured(PIER))
     assert_array_equal(summary["factor_50"].sel(block="pier").values.ravel(), pier["factor_50"].repeat(2))
 
 
@@ -140,7 +140,7 @@ def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
 def test_the_uncertainty_is_that_of_the_configuration():
     known = rp.UncertaintySettings(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))
-    found = told(record("one"), config)
+    found = probabilities(record("one"), config)
     expected = overturning_probability(Block(0.4, 3.0), motion(), DT, known.of_draws(), factor_max=3.0)
     assert known.of_draws() == Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     for name, values in named(expected).items():
@@ -148,7 +148,7 @@ def test_the_uncertainty_is_that_of_the_configuration():
 
 
 def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
-    found = told(record("one", peak=0.5), configured(WALL, search=rp.SearchSettings(factor_max=2.0)))
+    found = probabilities(record("one", peak=0.5), configured(WALL, search=rp.SearchSettings(factor_max=2.0)))
     assert (found["overturning_probability"], found["probability_source"]) == ([0.0], [LIMIT])
     for name in ("factor_10", "factor_50", "factor_mean"):
         assert [found[name + end][0] for end in ("", "_low", "_high")] == [np.inf, 2.0, np.inf]
@@ -191,7 +191,7 @@ def test_what_is_not_asked_for_is_not_known(sections):
 def test_lanes_of_a_body_are_drawn_by_the_seed_and_the_record():
     def tell(name, seed):
         config = configured(CHEST, run=rp.RunSettings(seed=seed))
-        return told(record(name), config)["factor_10_low"][0]
+        return probabilities(record(name), config)["factor_10_low"][0]
 
     first = tell("one", 0)
     assert first == tell("one", 0)
@@ -212,7 +212,7 @@ def test_factors_that_are_searched_wait_for_the_key():
 
 
 def test_at_a_demand_the_probability_is_that_of_the_samples_at_its_factor():
-    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", value=4.0),)))
+    found = probabilities(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", value=4.0),)))
     factor = found["demand_factor"]
     assert 0.25 < factor[0, 0] < 4.0
     own = overturning_probability(Block(0.4, 3.0), motion(), DT)
@@ -224,7 +224,7 @@ def test_a_demand_from_which_the_record_is_far_has_no_probability():
     """On a slender body, and on one by the nonlinear equation."""
     times = [0.249, 0.251, 3.99, 4.01]
     demands = tuple(rp.DemandSettings(name=f"{one}", value=one * record("one").pga) for one in times)
-    found = told(record("one"), configured(WALL, CHEST, demands=demands))
+    found = probabilities(record("one"), configured(WALL, CHEST, demands=demands))
     assert_allclose(found["demand_factor"], [times] * 2)
     assert np.isfinite(found["demand_probability"]).tolist() == [[False, True, True, False]] * 2
 
@@ -250,19 +250,19 @@ def test_a_record_that_lifts_many_bodies_in_one_sense_only_is_assessed_in_this_s
     bodies = gather_bodies(config.bodies).lanes
     senses = [overturning_probability(bodies, sign * pushing.acceleration, DT).at_one for sign in (1.0, -1.0)]
     assert min(map(np.max, senses)) == 0.0 < max(map(np.max, senses))
-    assert_allclose(told(pushing, config)["overturning_probability"], np.maximum(*senses), atol=0.05)
+    assert_allclose(probabilities(pushing, config)["overturning_probability"], np.maximum(*senses), atol=0.05)
 
 
 @pytest.mark.sweep
 def test_many_bodies_share_marches_and_none_depends_on_the_others():
     heights = np.random.default_rng(5).uniform(4.0, 5.0, 140)
     many = [rp.BlockSettings(name=f"wall {k}", width=0.8, height=height) for k, height in enumerate(heights)]
-    shared, fewer = (told(record("one"), configured(*some, CHEST)) for some in (many, many[:130]))
+    shared, fewer = (probabilities(record("one"), configured(*some, CHEST)) for some in (many, many[:130]))
     assert shared["probability_source"].tolist() == [SHARED] * 140 + [NONLINEAR_EQUATION]
     for name in NAMES:
         assert_array_equal(fewer[name][:130], shared[name][:130])
     none = rp.UncertaintySettings(spectrum="none")
-    own = told(record("one"), configured(*many[:12], uncertainty=none))
+    own = probabilities(record("one"), configured(*many[:12], uncertainty=none))
     assert set(own["probability_source"]) == {LIMIT}
     assert 0.0 < np.max(np.abs(shared["overturning_probability"][:12] - own["overturning_probability"])) < 0.05
     for name in ("factor_10", "factor_50", "factor_mean"):  # a factor on a plateau of P may be far off

@@ -95,11 +95,11 @@ def test_a_data_record_is_known_by_its_first_letters(head, known):
 
 
 @pytest.mark.parametrize(
-    ("told", "noted"), [(None, False), (1001.0, False), (1002.0, True), (999.0, False), (998.0, True)]
+    ("stated", "noted"), [(None, False), (1001.0, False), (1002.0, True), (999.0, False), (998.0, True)]
 )
-def test_the_rate_of_the_station_xml_may_be_off_by_a_thousandth(told, noted):
-    note = f"the StationXML states {told} samples per s, but the data have 1000; the interval of the data is used"
-    found = _held_rate(1000.0, SimpleNamespace(sample_rate=told))
+def test_the_rate_of_the_station_xml_may_be_off_by_a_thousandth(stated, noted):
+    note = f"the StationXML states {stated} samples per s, but the data have 1000; the interval of the data is used"
+    found = _held_rate(1000.0, SimpleNamespace(sample_rate=stated))
     assert found == ([note.replace(".0 ", " ")] if noted else [])
 
 

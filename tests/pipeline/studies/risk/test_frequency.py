@@ -63,8 +63,8 @@ def test_the_levels_that_nothing_was_looked_at_are_reported(tree, law):
     edges = np.log([*whole["bin_low"].values, whole["bin_high"].values[-1]])
     below = np.interp(math.log(0.3), edges, [0.0, *np.cumsum(whole["share"].values)])
     assert float(found["above"]) == pytest.approx(1.0 - below, abs=0.02)
-    told = f"{float(found['above']):.0%} of its frequency comes from levels above 0.3 m/s, where the hazard curve ends"
-    assert str(found["warning"].values) == told
+    shown = f"{float(found['above']):.0%} of its frequency comes from levels above 0.3 m/s, where the hazard curve ends"
+    assert str(found["warning"].values) == shown
     assert float(found["above"]) > float(whole["above"])
 
 
@@ -105,8 +105,8 @@ def test_draws_that_rest_on_one_earthquake_are_lost_and_reported(tree, law):
 def test_few_earthquakes_are_reported(tree):
     """In PGA the levels of these records overlap enough for a band of 8 earthquakes, in which some draws are lost."""
     found = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
-    told = str(found["statement"].values)
-    assert "the band is too narrow: 8 earthquakes, but 14 are needed" in told
+    shown = str(found["statement"].values)
+    assert "the band is too narrow: 8 earthquakes, but 14 are needed" in shown
     assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * float(found["frequency_high"])))
 
 
@@ -163,10 +163,10 @@ def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
 
 
 def test_what_is_taken_for_granted_is_reported(tree, law):
-    told = rp.risk(tree, law, resamples=0).attrs
-    assert "records scaled to levels (stripes); lognormal" in told["fragility"]
-    assert "16 records of 8 earthquakes, equally weighted" in told["fragility"]
-    assert "an arbitrary horizontal component" in told["hazard_conditions"]
+    shown = rp.risk(tree, law, resamples=0).attrs
+    assert "records scaled to levels (stripes); lognormal" in shown["fragility"]
+    assert "16 records of 8 earthquakes, equally weighted" in shown["fragility"]
+    assert "an arbitrary horizontal component" in shown["hazard_conditions"]
 
 
 @pytest.mark.parametrize(

@@ -42,9 +42,9 @@ def with_codes(factors, *codes, **options):
 
 def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said_loudly():
     found = heads(with_codes([1.6], "plain demand_not_compared"))
-    told = found["the demand of the site is not checked"]
-    assert told.grade == "decides"
-    assert told.text.startswith(
+    shown = found["the demand of the site is not checked"]
+    assert shown.grade == "decides"
+    assert shown.text.startswith(
         "A sequence has no PGA or other intensity that could be scaled to the demand of the site"
     )
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
@@ -53,11 +53,11 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
     assert not [head for head in heads(with_codes([1.6]), site=site()) if "overturn" in head]
 
 
-@pytest.mark.parametrize(("lower", "told"), [(0.9, True), (1.1, False)])
-def test_a_body_that_overturns_within_the_interval_of_the_design(lower, told):
+@pytest.mark.parametrize(("lower", "shown"), [(0.9, True), (1.1, False)])
+def test_a_body_that_overturns_within_the_interval_of_the_design(lower, shown):
     found = heads(with_codes([1.4]), site=site(lower=lower))
     assert [head for head in found if head.startswith("at the upper end of its 90 % interval")] == (
-        ["at the upper end of its 90 % interval the design overturns b"] if told else []
+        ["at the upper end of its 90 % interval the design overturns b"] if shown else []
     )
 
 
@@ -76,8 +76,8 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     of = motions(3)
     found = [verdict(summary, of)]
     said = warnings(answers(summary, of), found, FilesUsed(1))
-    told = limits(said, found, answers(summary, of))
-    assert [line for line in told if line.startswith("The results rest on 2 earthquakes: ") and "57 %" in line]
+    shown = limits(said, found, answers(summary, of))
+    assert [line for line in shown if line.startswith("The results rest on 2 earthquakes: ") and "57 %" in line]
     assert [one for one in said if "2 earthquakes" in one.head and "57 %" in one.text]
 
 

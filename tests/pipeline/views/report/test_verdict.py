@@ -53,9 +53,9 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
     found = verdict(summary)
     cell = grade_cell(found.deciding)
     assert (cell.text, cell.grade) == (words, grade)
-    told = sentence(answers(summary), found)
-    assert told.startswith(f"Probability of overturning {value}, upper 90 % ")
-    assert told.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn the nominal body.")
+    shown = sentence(answers(summary), found)
+    assert shown.startswith(f"Probability of overturning {value}, upper 90 % ")
+    assert shown.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn the nominal body.")
 
 
 def test_each_body_has_one_row_for_its_governing_demand_and_the_annex_has_all():
@@ -99,8 +99,8 @@ def test_the_priorities_state_an_action_for_each_body():
 def test_without_a_demand_the_records_that_overturn_are_counted():
     summary = probable([0.9, 0.0, 0.1], factor_10=[0.4, 3.0, 1.0])
     found = verdict(summary)
-    told = sentence(answers(summary), found)
-    assert told == "1 of 3 records overturn it as recorded; smallest scale factor at P = 10 %: 0.40."
+    shown = sentence(answers(summary), found)
+    assert shown == "1 of 3 records overturn it as recorded; smallest scale factor at P = 10 %: 0.40."
     assert grade_cell(found.deciding).text == "-"
     shown = headed(answers(summary), found)
     assert (shown["records that overturn"], shown["scale factor at P = 10 %"]) == ("1 of 3", "0.40")
@@ -132,9 +132,9 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     assert (shown["P"], shown["records that overturn"], shown["capacity/ demand"]) == ("0.080", "1 of 5", "1.80")
     assert (shown["median rotation"], shown["largest rotation without overturning"]) == ("0.20", "0.30")
     assert shown["top displ. at that rotation"] == "6.00"
-    told = sentence(answers(summary), verdict(summary))
-    assert told.startswith("Probability of overturning 0.080, upper 90 % ")
-    assert told.endswith(
+    shown = sentence(answers(summary), verdict(summary))
+    assert shown.startswith("Probability of overturning 0.080, upper 90 % ")
+    assert shown.endswith(
         "1 of 5 records overturn the nominal body; the largest rotation under the other records is 0.30 α_c, 6.00 cm "
         "at the top."
     )
@@ -143,9 +143,9 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     )
     found = verdict(summary)
     assert (grade_cell(found.deciding).text, grade_cell(found.deciding).grade) == ("-", "unknown")
-    told = sentence(answers(summary), found)
-    assert told.startswith("Probability of overturning 0.90, upper 90 % ")
-    assert told.endswith(
+    shown = sentence(answers(summary), found)
+    assert shown.startswith("Probability of overturning 0.90, upper 90 % ")
+    assert shown.endswith(
         "from 4 earthquakes. 0 of 4 records overturn the nominal body. No verdict: 5 earthquakes are needed."
     )
     legend = verdict_legend(answers(summary), found.findings)
@@ -156,11 +156,11 @@ def test_under_a_design_sequence_there_is_no_probability():
     summary, of = summary_of([1.6]), motions(1, kind="sequence")
     found = verdict(summary, of)
     assert (found.grade, grade_cell(found.deciding).text) == (Grade.ROCKS, "rocks")
-    told = sentence(answers(summary, of), found)
-    assert told.startswith(
+    shown = sentence(answers(summary, of), found)
+    assert shown.startswith(
         "Neither the design sequence nor a weaker one overturns it; smallest scale factor on its main"
     )
-    assert told.endswith("impulse at which it overturns: 1.60.")
+    assert shown.endswith("impulse at which it overturns: 1.60.")
     assert "This does not prove safety" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
@@ -195,8 +195,8 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
         "rocks", "0", "0.17", ">10"
     )  # fmt: skip
     summary = summary.assign(uplift_ratio=(("record", "block"), np.full((10, 1), 0.3)))
-    told = sentence(answers(summary), verdict(summary))
-    assert told.startswith("None of 10 records lifts the body at the demand “ULS”; no conclusion can be drawn")
+    shown = sentence(answers(summary), verdict(summary))
+    assert shown.startswith("None of 10 records lifts the body at the demand “ULS”; no conclusion can be drawn")
     assert grade_cell(verdict(summary).deciding).text == "at rest"
 
 
