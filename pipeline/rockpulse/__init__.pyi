@@ -13,7 +13,7 @@ from .config.block_settings import PedestalSettings as PedestalSettings
 from .config.body_table import load_bodies as load_bodies
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
-from .config.floor_settings import FloorSettings as FloorSettings
+from .config.restraint_settings import FloorSettings as FloorSettings
 from .config.restraint_settings import LoadSettings as LoadSettings
 from .config.restraint_settings import ThrustSettings as ThrustSettings
 from .config.restraint_settings import TieSettings as TieSettings
@@ -72,8 +72,6 @@ from .sequences.rule import load_rule as load_rule
 from .storage.export.long_table import results_table as results_table
 from .storage.hdf5.results_file import save as save
 from .studies.check.check import check as check
-from .studies.check.codes import KinematicCheck as KinematicCheck
-from .studies.check.codes import kinematic_check as kinematic_check
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
 from .studies.fragility.fragility import fragility as fragility

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import os
 import re
 import shutil
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -120,17 +121,33 @@ def table_of(path: str, text: str) -> pd.DataFrame:
     return pd.DataFrame([row + [""] * (len(heads) - len(row)) for row in cells], columns=heads, dtype=str)
 
 
-def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
-    """Return a column as finite numbers; raise ConfigError for a cell that is not a number."""
+def read_table(path: Path, columns: Sequence[str], what: str, where: str = "") -> pd.DataFrame:
+    """Return the cells of a table as strings; `what` describes it in messages, which begin with `where`.
+
+    Raises ConfigError for a missing file, or if one of the `columns` is missing.
+    """
+    name = f"{where}: {path}" if where else str(path)
+    if not path.exists() or path.is_dir():
+        raise ConfigError(f"{name}: no such file; expected {what}")
+    table = table_of(name, read_text(path, what=what))
+    if missing := [column for column in columns if column not in table]:
+        raise ConfigError(
+            f"{name}: expected {what}; missing: {', '.join(missing)}; found: {', '.join(table.columns) or 'none'}"
+        )
+    return table
+
+
+def column_numbers(path: str, table: pd.DataFrame, column: str, above: float = -math.inf) -> np.ndarray:
+    """Return a column as finite numbers above `above`; raise ConfigError for any other cell."""
     import numpy as np
     import pandas as pd
 
     found = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)
-    wrong = ~np.isfinite(found)
+    wrong = ~(np.isfinite(found) & (found > above))
     if wrong.any():
-        row = int(np.argmax(wrong))
+        row, expected = int(np.argmax(wrong)), "a number" if above == -math.inf else f"a number above {above:g}"
         raise ConfigError(
-            f"{path}: row {row + 1} of column {column!r}: expected a number, found {table[column].iloc[row]!r}"
+            f"{path}: row {row + 1} of column {column!r}: expected {expected}, found {table[column].iloc[row]!r}"
         )
     return found
 

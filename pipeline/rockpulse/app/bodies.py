@@ -17,8 +17,7 @@ from rockpulse.app.upload import file_input
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
-from rockpulse.config.floor_settings import FloorSettings
-from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
+from rockpulse.config.restraint_settings import FloorSettings, LoadSettings, ThrustSettings, TieSettings
 from rockpulse.option import Section
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing

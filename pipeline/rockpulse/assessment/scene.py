@@ -13,7 +13,7 @@ from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
-from rockpulse.config.floor_settings import FloorSettings
+from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import RULE_POINT

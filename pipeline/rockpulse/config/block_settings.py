@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
-from rockpulse.config.floor_settings import FloorSettings
-from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
+from rockpulse.config.restraint_settings import FloorSettings, LoadSettings, ThrustSettings, TieSettings
 from rockpulse.errors import ConfigError, Remedy
 from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY

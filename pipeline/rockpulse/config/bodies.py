@@ -14,7 +14,7 @@ from rocking.body.block import Block
 from rocking.body.limits import most_restitution, size_problem
 from rocking.body.restraint import Restraints, Tie
 from rockpulse.config.block_settings import BlockSettings, require_pairs
-from rockpulse.config.floor_settings import FloorSettings
+from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 from rockpulse.warning_text import WarningText, with_codes

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import section_of, toml_key
 from rockpulse.errors import ConfigError
-from rockpulse.files import check_regular, read_text, table_of
+from rockpulse.files import read_table, table_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,13 +104,10 @@ def read_body_columns(path: str | Path) -> BodyColumns:
 
 def _table(path: Path) -> "pd.DataFrame":
     what = "a table of bodies (CSV or XLSX)"
-    if not path.exists() or path.is_dir():
-        raise ConfigError(f"{path}: no such file; expected {what}")
-    if path.suffix.lower() not in (".xlsx", ".xlsm"):
-        return table_of(str(path), read_text(path, what=what))
+    if not path.is_file() or path.suffix.lower() not in (".xlsx", ".xlsm"):
+        return read_table(path, (), what)
     from rockpulse.readers.arrays import sheet_texts
 
-    check_regular(path)
     try:
         sheets = sheet_texts(path.read_bytes())
     except ImportError:

@@ -18,7 +18,7 @@ from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.ground_types import soil_factor
 from rockpulse.config.study_settings import logo_bytes
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.files import TOML_LIMIT, parse_toml, read_text, table_of
+from rockpulse.files import TOML_LIMIT, parse_toml, read_table, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 from rockpulse.readers.file_pairs import PairSettings
@@ -174,21 +174,16 @@ def _facts_of(entry: Section) -> list[Any]:
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
     """Read pairs of files from a CSV table with the columns north and east; raise ConfigError for any other table."""
-    path = located(table, folder)
-    where = f"[records] pair_table: {path}"
-    if not path.is_file():
-        raise ConfigError(f"{where}: no such file; expected a CSV table with the columns north and east")
-    cells = table_of(where, read_text(path, what="a CSV table with the columns north and east"))
-    if missing := [name for name in ("north", "east") if name not in cells]:
-        raise ConfigError(f"{where}: expected the columns north and east; missing: {', '.join(missing)}")
+    path, where = located(table, folder), "[records] pair_table"
+    cells = read_table(path, ("north", "east"), "a CSV table with the columns north and east", where)
     found = []
     for number, (north, east) in enumerate(zip(cells["north"], cells["east"], strict=True), start=1):
         try:
             found.append(PairSettings(north=north, east=east))
         except ConfigError as error:
-            raise ConfigError(f"{where}: row {number}: {error}") from None
+            raise ConfigError(f"{where}: {path}: row {number}: {error}") from None
     if not found:
-        raise ConfigError(f"{where}: expected a row for each pair, found none")
+        raise ConfigError(f"{where}: {path}: expected a row for each pair, found none")
     return found
 
 

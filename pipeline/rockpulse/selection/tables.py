@@ -1,7 +1,5 @@
 """Reads the user's tables of records: their earthquakes, scale factors and weights."""
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,23 +10,39 @@ import numpy as np
 
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
-from rockpulse.files import read_text
+from rockpulse.files import column_numbers, read_table
 
 
 def read_event_table(path: Path) -> dict[str, str]:
     """Read the earthquake of each channel from a CSV table with the columns record and event."""
-    return _read(path, "event", "[records] events")
+    return _by_record(path, "event", "[records] events")
 
 
 def read_weight_table(path: Path) -> dict[str, float]:
     """Read the weight of each record from a CSV table with the columns record and weight; weights are not negative."""
     weights = {}
-    for record, text in _read(path, "weight", "[calibration] weights").items():
-        weight = _number(text)
-        if not weight >= 0.0:
+    for record, text in _by_record(path, "weight", "[calibration] weights").items():
+        try:
+            weight = float(text)
+        except ValueError:
+            weight = math.nan
+        if not 0.0 <= weight < math.inf:
             raise ConfigError(f"[calibration] weights: {path}: record {record}: expected a number >= 0, found {text!r}")
         weights[record] = weight
     return weights
+
+
+def _by_record(path: Path, column: str, where: str) -> dict[str, str]:
+    """Return the cell of a column for each record; raise ConfigError for an empty cell or a repeated record."""
+    table = read_table(path, ("record", column), f"a CSV table with the columns record and {column}", where)
+    found: dict[str, str] = {}
+    for row, (name, value) in enumerate(zip(table["record"], table[column], strict=True), start=1):
+        if not name or not value:
+            raise ConfigError(f"{where}: {path}: row {row}: expected a record and its {column}, found an empty cell")
+        if name in found:
+            raise ConfigError(f"{where}: {path}: row {row}: more than one row for {name}; keep one")
+        found[name] = value
+    return found
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
@@ -66,38 +80,33 @@ class SelectedRecords:
 
 def read_selection_table(path: Path, where: str = "[fragility] selection") -> SelectedRecords:
     """Read selected records from a CSV table with the columns record, factor (or level) and optionally weight."""
-    header, lines = _rows(path, ("record",), where)
-    kinds = [name for name in ("factor", "level") if name in header]
+    table = read_table(path, ("record",), "a CSV table with the columns record and factor (or level)", where)
+    name = f"{where}: {path}"
+    kinds = [kind for kind in ("factor", "level") if kind in table]
     if len(kinds) != 1:
         raise ConfigError(
-            f"{where}: {path}: expected either a column factor or a column level, found "
-            f"{' and '.join(kinds) or 'neither'} (columns: {', '.join(header)})"
+            f"{name}: expected either a column factor or a column level, found {' and '.join(kinds) or 'neither'} "
+            f"(columns: {', '.join(table.columns)})"
         )
+    amounts = column_numbers(name, table, kinds[0], above=0.0).tolist()
+    weights = column_numbers(name, table, "weight", above=0.0).tolist() if "weight" in table else [1.0] * len(table)
     found: dict[str, list[tuple[float, float]]] = {}
-    for line, cells in lines:
-        values = []
-        for name in (kinds[0], *(("weight",) if "weight" in header else ())):
-            text = cells.get(name, "")
-            value = _number(text)
-            if not value > 0.0:
-                raise ConfigError(f"{where}: {path}: row {line}: {name}: expected a number above 0, found {text!r}")
-            values.append(value)
-        record = cells.get("record", "")
+    for row, (record, amount, weight) in enumerate(zip(table["record"], amounts, weights, strict=True), start=1):
         if not record:
-            raise ConfigError(f"{where}: {path}: row {line}: expected the id of a record, found an empty cell")
+            raise ConfigError(f"{name}: row {row}: expected the id of a record, found an empty cell")
         own = found.setdefault(record, [])
-        if any(amount == values[0] for amount, _ in own):
-            raise ConfigError(f"{where}: {path}: row {line} repeats {kinds[0]} {values[0]:g} of {record}; remove it")
-        own.append((values[0], values[1] if len(values) > 1 else 1.0))
+        if amount in dict(own):
+            raise ConfigError(f"{name}: row {row} repeats {kinds[0]} {amount:g} of {record}; remove it")
+        own.append((amount, weight))
     if not found:
-        raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
+        raise ConfigError(f"{name}: expected a row for each record that was chosen, found none")
     return SelectedRecords(kinds[0] == "factor", {record: tuple(sorted(own)) for record, own in found.items()})
 
 
 def selection_of(config: Config) -> SelectedRecords | None:
     """Return the records of the table ``[fragility] selection``; None if no table is given."""
-    given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
-    return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
+    given = config.fragility.selection
+    return None if given is None else read_selection_table(located(given, config.folder))
 
 
 def demand_selections(config: Config) -> dict[str, dict[str, float]]:
@@ -105,9 +114,9 @@ def demand_selections(config: Config) -> dict[str, dict[str, float]]:
     found = {}
     for demand in config.demands:
         if demand.selection is not None:
-            where = f"[[demand]] {demand.name}: selection"
-            path = given_table(demand.selection, config, where, "record and factor")
-            found[demand.name] = _factors(path, where, path.stat().st_mtime_ns)
+            path = located(demand.selection, config.folder)
+            state = path.stat().st_mtime_ns if path.exists() else 0
+            found[demand.name] = _factors(path, f"[[demand]] {demand.name}: selection", state)
     return found
 
 
@@ -122,60 +131,3 @@ def _factors(path: Path, where: str, state: int) -> dict[str, float]:
             f"{where}: {path}: expected one row for each record, found {len(table.rows[several[0]])} for {several[0]}"
         )
     return {record: rows[0][0] for record, rows in table.rows.items()}
-
-
-def given_table(given: str, config: Config, where: str, columns: str) -> Path:
-    """Return the path of a table that the configuration names; raise ConfigError if the file does not exist."""
-    path = located(given, config.folder)
-    if not path.exists():
-        raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
-    return path
-
-
-def _number(text: str) -> float:
-    """Convert a text to a finite number; return NaN for other text."""
-    try:
-        value = float(text)
-    except ValueError:
-        return math.nan
-    return value if math.isfinite(value) else math.nan
-
-
-def _read(path: Path, column: str, where: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for line, cells in _rows(path, ("record", column), where)[1]:
-        name, value = cells.get("record", ""), cells.get(column, "")
-        if not name or not value:
-            raise ConfigError(f"{where}: {path}: row {line}: expected a record and its {column}, found an empty cell")
-        if name in found:
-            raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}; keep one")
-        found[name] = value
-    return found
-
-
-def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return the header of a CSV table, and each row as line number and cells; ConfigError if a column is missing."""
-    named = " and ".join(columns) if columns[1:] else f"{columns[0]} and factor (or level)"
-    expected = f"a CSV table with the columns {named}"
-    text = read_text(path, what=expected)
-    try:
-        reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
-        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
-    except csv.Error as error:
-        raise ConfigError(f"{where}: {path}: expected {expected}: {error}") from None
-    if not rows:
-        raise ConfigError(f"{where}: {path}: expected {expected}; it is empty")
-    header = rows[0][1]
-    if missing := [name for name in columns if name not in header]:
-        raise ConfigError(
-            f"{where}: {path}: expected the columns {named}; missing: {', '.join(missing)}; found: {', '.join(header)}"
-        )
-    found = []
-    for line, row in rows[1:]:
-        if len(row) > len(header):
-            raise ConfigError(
-                f"{where}: {path}: row {line}: expected the {len(header)} cells of the header, found {len(row)}; "
-                "a comma within a cell needs quotes"
-            )
-        found.append((line, dict(zip(header, row, strict=False))))
-    return header, found

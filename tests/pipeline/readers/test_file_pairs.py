@@ -138,7 +138,7 @@ def test_a_run_over_files_rotates_pairs_of_a_table(folder, tmp_path):
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("north,west\na,b\n", "expected the columns north and east; missing: east"),
+        ("north,west\na,b\n", "expected a CSV table with the columns north and east; missing: east"),
         ("north,east\na,a\n", r"row 1: \[\[records.pair\]\] north = .a.: expected two files, found .a. twice"),
         ("north,east\na,\n", "row 1: .*east: expected the name of one file, without wildcards, found ''"),
         ("north,east\n", "expected a row for each pair, found none"),

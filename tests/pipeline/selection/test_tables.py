@@ -29,14 +29,12 @@ def test_levels_and_weights_are_read(tmp_path):
     [
         ("record,weight\na,1\n", "expected either a column factor or a column level, found neither"),
         ("record,factor,level\na,1,1\n", "expected either a column factor or a column level, found factor and level"),
-        ("record,factor\na,0\n", "row 2: factor: expected a number above 0, found '0'"),
-        ("record,factor,weight\na,1,x\n", "row 2: weight: expected a number above 0, found 'x'"),
-        ("record,factor,weight\na,1\n", "row 2: weight: expected a number above 0, found ''"),
-        ("record,factor\n,1\n", "row 2: expected the id of a record, found an empty cell"),
-        ("record,factor\na,1\na,1\n", "row 3 repeats factor 1 of a; remove it"),
+        ("record,factor\na,0\n", "row 1 of column 'factor': expected a number above 0, found '0'"),
+        ("record,factor,weight\na,1\n", "row 1 of column 'weight': expected a number above 0, found ''"),
+        ("record,factor\n,1\n", "row 1: expected the id of a record, found an empty cell"),
+        ("record,factor\na,1\na,1\n", "row 2 repeats factor 1 of a; remove it"),
         ("record,factor\n", "expected a row for each record that was chosen, found none"),
-        ("id,factor\na,1\n", "expected the columns record"),
-        ("", "it is empty"),
+        ("id,factor\na,1\n", "expected a CSV table with the columns record and factor"),
     ],
 )
 def test_wrong_tables_are_told(tmp_path, text, told):

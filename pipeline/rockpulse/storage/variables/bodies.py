@@ -8,7 +8,7 @@ import numpy as np
 from rocking.body.block import Block
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.config.floor_settings import floors_as_text
+from rockpulse.config.restraint_settings import floors_as_text
 from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 

@@ -20,7 +20,7 @@ from rockpulse.assessment.verdict import nominal_motion, too_far, verdicts, weak
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config, config_from_text, given_config
-from rockpulse.config.floor_settings import FloorSettings
+from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.option import hint

@@ -1,4 +1,4 @@
-"""Elastic response spectra from codes, tables and functions.
+"""Elastic response spectra from codes and tables.
 
 .. note:: F_0 is the plateau (2.5 in EN 1998-1), T_B, T_C and T_D are the corner periods, S is the soil factor and eta =
    sqrt(10/(5 + xi)), at least 0.55, with the damping xi in percent. S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B,
@@ -7,7 +7,6 @@
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -17,7 +16,7 @@ import numpy as np
 from rockpulse.config.ground_types import EN_1998, NTC, soil_factor
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.files import column_numbers, read_text, table_of
+from rockpulse.files import column_numbers, read_table
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Number of periods in the search for the largest displacement of a table.
@@ -104,21 +103,7 @@ class TabledSpectrum:
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
-@dataclass(frozen=True)
-class GivenSpectrum:
-    """A spectrum for 5 % damping, given as a function of an array of periods."""
-
-    elastic: Callable[[np.ndarray], np.ndarray]
-    ground: float  # a_g S [m/s2]
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        """Return S_e [m/s2] at a period [s]."""
-        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
-
-
-#: Spectra with the method `displacement`, and all elastic spectra.
 DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
-ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
@@ -152,9 +137,7 @@ def read_spectrum(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
     Raises ConfigError, with the row, for invalid numbers.
     """
-    if not path.exists() or path.is_dir():
-        raise ConfigError(f"{path}: no such file; expected a table of a spectrum")
-    table = table_of(str(path), read_text(path, what="a table of a spectrum"))
+    table = read_table(path, (), "a table of a spectrum")
     heads = [str(name).lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}
     if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:

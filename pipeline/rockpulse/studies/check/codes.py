@@ -17,21 +17,15 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from rocking.body.block import Block
-from rocking.pictures import short_repr
-from rockpulse.config.floor_settings import FloorSettings
+from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.code_spectra import (
     DemandSpectrum,
-    ElasticSpectrum,
-    GivenSpectrum,
     TableEnds,
     damping_factor,
     displacement_of,
 )
-from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
+from rockpulse.studies.check.mechanism import SENSES, Mechanism
 
 #: Circolare 617/2009: d_u*/d_0* and d_s*/d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
@@ -64,7 +58,7 @@ class Checked(NamedTuple):
 
 
 def circolare_2009(
-    body: Mechanism, spectrum: ElasticSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
+    body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
     """Run the linear and the nonlinear kinematic analysis of Circolare 617/2009, C8A.4."""
     activation = _activation(body, settings)
@@ -212,83 +206,3 @@ def worst(senses: Sequence[Checked]) -> Checked:
         activation_sense=named[opens],
         displacement_sense="" if math.isnan(senses[moves].displacement) else named[moves],
     )
-
-
-class KinematicCheck(NamedTuple):
-    """The kinematic check of (m,) blocks.
-
-    Attributes
-    ----------
-    activation : (m,) ndarray
-        a_0*, spectral acceleration that activates the mechanism [m/s2].
-    linear : (m,) ndarray
-        a_0* divided by a_g S/q [-]; 1 or more passes.
-    ultimate : (m,) ndarray
-        d_u*, allowed displacement of the centre of mass [m].
-    secant_period : (m,) ndarray
-        T_s [s].
-    nonlinear : (m,) ndarray
-        d_u* divided by S_De(T_s) [-]; 1 or more passes.
-
-    Examples
-    --------
-    >>> found = kinematic_check(Block(width=[0.4], height=[4.0]), lambda periods: 2.5 / periods, ground=2.0)
-    >>> found.linear.round(2), found.nonlinear.round(2)  # the wall fails the first check and passes the second
-    (array([0.98]), array([1.02]))
-    """
-
-    activation: np.ndarray
-    linear: np.ndarray
-    ultimate: np.ndarray
-    secant_period: np.ndarray
-    nonlinear: np.ndarray
-
-    def __repr__(self) -> str:
-        return short_repr(self)
-
-
-def kinematic_check(
-    block: Block,
-    spectrum: Callable[[np.ndarray], np.ndarray],
-    ground: float,
-    behaviour: float = 2.0,
-    confidence_factor: float = 1.0,
-) -> KinematicCheck:
-    """Check blocks on the ground with the linear and the nonlinear kinematic analysis of Circolare 617/2009.
-
-    Parameters
-    ----------
-    block : Block
-        (m,) blocks; each result is for the worse direction of rotation. Ties need a yield force.
-    spectrum : callable
-        Elastic spectrum S_e for 5 % damping [m/s2] at (k,) periods [s].
-    ground : float
-        a_g S, the peak ground acceleration on the soil of the site [m/s2].
-    behaviour, confidence_factor : float
-        Behaviour factor q, 2 in the circular, and confidence factor FC for the knowledge of the building; at least 1.
-
-    Raises
-    ------
-    ValueError
-        For a tie without a yield force, or numbers out of range.
-
-    Examples
-    --------
-    A free rectangle of 0.4 x 4 m: a_0* = g b/h, d_0* = b/2 at mid-height.
-
-    >>> found = kinematic_check(Block(width=[0.4], height=[4.0]), lambda periods: 2.5 / periods, ground=2.0)
-    >>> [round(float(values[0]), 4) for values in found]
-    [0.9807, 0.9807, 0.08, 1.2384, 1.0201]
-    """
-    if not (math.isfinite(ground) and ground > 0.0 and behaviour >= 1.0 and confidence_factor >= 1.0):
-        raise ValueError(
-            "ground, behaviour, confidence_factor: expected a_g S above 0, q and FC of at least 1, got "
-            f"{ground!r}, {behaviour!r}, {confidence_factor!r}"
-        )
-    settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
-    demand = GivenSpectrum(spectrum, ground)
-    lanes = block if block.shape else block.lanes(1)
-    of_lanes = [senses_of(lanes.lane(place)) for place in range(lanes.shape[0])]
-    found = [worst([circolare_2009(sense, demand, (), settings) for sense in senses]) for senses in of_lanes]
-    names = ("activation", "activation_ratio", "displacement", "period", "displacement_ratio")
-    return KinematicCheck(*(np.array([getattr(one, name) for one in found]) for name in names))

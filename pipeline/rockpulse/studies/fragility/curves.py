@@ -6,7 +6,6 @@
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,109 +27,68 @@ from rockpulse.studies.fragility.likelihood import (
 )
 from rockpulse.warning_text import WarningText, as_stored, counted
 
-#: Capacities with a smaller relative difference count as equal.
-EQUAL = 1e-9
+#: Capacities with a smaller relative difference count as equal, levels are written as one number.
+EQUAL, SAME_LEVEL = 1e-9, 1e-3
 
 
-def missing(rows: Observations) -> Status:
-    """Return the status FITTED if a curve can be fitted to the data, otherwise the status that states why not."""
-    known = rows.level[rows.kind == EXACT]
-    reached = rows.kind != ABOVE
-    if rows.level.size == 0:
-        return Status.NO_RECORD
-    if rows.records == 1:
-        return Status.ONE_RECORD
+def missing(rows: Observations) -> tuple[Status, WarningText | None]:
+    """Return FITTED if a curve can be fitted to the data, otherwise the status and the text that state why not."""
+    level, kind, count = rows.level, rows.kind, rows.records
+    reached, records = kind != ABOVE, counted(count, "record")
+    if level.size == 0:
+        return Status.NO_RECORD, WarningText("no_record")
+    low, high = float(level[0]), float(level[-1])
+    if count == 1:
+        code = "one_record_reached" if np.any(reached) else "one_record_not_reached"
+        return Status.ONE_RECORD, WarningText(code, levels=_range(level))
     if not np.any(reached):
-        return Status.NOTHING_REACHED
-    if np.all(rows.kind == NOT_ABOVE):
-        return Status.EVERYTHING_REACHED
+        if math.isclose(low, high, rel_tol=SAME_LEVEL):
+            return Status.NOTHING_REACHED, WarningText("nothing_reached", records=records, level=low)
+        return Status.NOTHING_REACHED, WarningText("nothing_reached_between", records=records, low=low, high=high)
+    if np.all(kind == NOT_ABOVE):
+        return Status.EVERYTHING_REACHED, WarningText("everything_reached", records=records, level=low)
     if np.unique(rows.record[reached]).size == 1:  # a record may have several rows
-        return Status.ONE_REACHED
-    if known.size and np.ptp(known) <= EQUAL * known[0]:
-        above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
-        if np.all(above <= known[-1]) and np.all(below >= known[0]):
-            return Status.STEP
-    if not has_maximum(rows.level, rows.kind, np.ones((1, rows.level.size)))[0]:
-        return Status.SEPARATED
-    return Status.FITTED
-
-
-def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """Return the reason for a missing band, if any; `slopes` are b fitted to all events, then without each event."""
-    if band == Band.GIVEN:
-        return []
-    if band == Band.RESTS_ON_ONE_EVENT:
-        alone = [name for name, b in zip(rows.events, slopes[1:], strict=True) if not b > 0.0]
-        return [WarningText("band_one_event", event=str(alone[0]))]
-    return [WarningText("band_few_events", events=counted(len(rows.events), "event"), needed=FEWEST_EVENTS)]
-
-
-def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Return whether the median of a curve is above or below all observed levels."""
-    if median > np.max(rows.level):
-        return Extrapolated.ABOVE
-    if median < np.min(rows.level):
-        return Extrapolated.BELOW
-    return Extrapolated.NO
-
-
-def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """Return a warning if the median of a curve is outside the observed levels, otherwise an empty list."""
-    side = extrapolated(median, rows)
-    if side == Extrapolated.NO:
-        return []
-    reached = counted(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
-    level = np.max(rows.level) if side == Extrapolated.ABOVE else np.min(rows.level)
-    code = f"median_{side.name.lower()}"
-    return [WarningText(code, median=float(median), level=float(level), reached=reached, records=int(rows.records))]
+        return Status.ONE_REACHED, WarningText("one_reached", levels=_range(level[reached]), records=count)
+    known, above, below = (level[kind == one] for one in (EXACT, ABOVE, NOT_ABOVE))
+    if known.size and np.ptp(known) <= EQUAL * known[0] and np.all(above <= known[-1]) and np.all(below >= known[0]):
+        return Status.STEP, WarningText("step", level=float(known[0]))
+    if has_maximum(level, kind, np.ones((1, level.size)))[0]:
+        return Status.FITTED, None
+    if low == high:
+        return Status.SEPARATED, WarningText("one_level", level=low)
+    last, first = float(above[-1]), float(below[0])
+    if last == first:
+        return Status.SEPARATED, WarningText("separated_at", level=first)
+    return Status.SEPARATED, (
+        WarningText("separated", low=last, high=first) if last < first else WarningText("not_stronger")
+    )
 
 
 def _range(levels: np.ndarray) -> str:
-    low, high = float(np.min(levels)), float(np.max(levels))
-    return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else WarningText("interval", low=low, high=high)
+    low, high = float(levels[0]), float(levels[-1])
+    close = math.isclose(low, high, rel_tol=SAME_LEVEL)
+    return f"{low:.3g}" if close else WarningText("interval", low=low, high=high)
 
 
-def _nothing_reached(rows: Observations) -> WarningText:
-    records, levels = counted(rows.records, "record"), _range(rows.level)
-    if isinstance(levels, WarningText):
-        return WarningText("nothing_reached_between", records=records, **levels.values)
-    return WarningText("nothing_reached", records=records, level=float(np.min(rows.level)))
+def band_of(rows: Observations, slopes: np.ndarray) -> tuple[Band, list[WarningText]]:
+    """Return the status of the band, and why there is none; `slopes` are b of all events, then without each event."""
+    events = len(rows.events)
+    if events < FEWEST_EVENTS:
+        few = WarningText("band_few_events", events=counted(events, "event"), needed=FEWEST_EVENTS)
+        return (Band.ONE_EVENT if events == 1 else Band.FEW_EVENTS), [few]
+    alone = [str(name) for name, b in zip(rows.events, slopes[1:], strict=True) if not b > 0.0]
+    return (Band.RESTS_ON_ONE_EVENT, [WarningText("band_one_event", event=alone[0])]) if alone else (Band.GIVEN, [])
 
 
-def _one_record(rows: Observations) -> WarningText:
-    reached = "reached" if np.any(rows.kind != ABOVE) else "not_reached"
-    return WarningText(f"one_record_{reached}", levels=_range(rows.level))
-
-
-def _separated(rows: Observations) -> WarningText:
-    if np.ptp(rows.level) == 0.0:
-        return WarningText("one_level", level=float(rows.level[0]))
-    not_reached, reached = (
-        extreme(rows.level[rows.kind == kind]) for extreme, kind in ((np.max, ABOVE), (np.min, NOT_ABOVE))
-    )
-    if not_reached == reached:
-        return WarningText("separated_at", level=float(reached))
-    if not_reached < reached:
-        return WarningText("separated", low=float(not_reached), high=float(reached))
-    return WarningText("not_stronger")
-
-
-#: Functions that word the reason for a missing curve, by status.
-STATEMENTS: dict[Status, Callable[[Observations], WarningText]] = {
-    Status.NO_RECORD: lambda rows: WarningText("no_record"),
-    Status.ONE_RECORD: _one_record,
-    Status.NOTHING_REACHED: _nothing_reached,
-    Status.EVERYTHING_REACHED: lambda rows: WarningText(
-        "everything_reached", records=counted(rows.records, "record"), level=float(np.min(rows.level))
-    ),
-    Status.ONE_REACHED: lambda rows: WarningText(
-        "one_reached", levels=_range(rows.level[rows.kind != ABOVE]), records=int(rows.records)
-    ),
-    Status.STEP: lambda rows: WarningText("step", level=float(rows.level[rows.kind == EXACT][0])),
-    Status.SEPARATED: _separated,
-    Status.NOT_INCREASING: lambda rows: WarningText("not_increasing"),
-    Status.NO_MAXIMUM: lambda rows: WarningText("no_maximum"),
-}
+def extrapolated(median: float, rows: Observations) -> tuple[Extrapolated, list[WarningText]]:
+    """Return whether the median of a curve is above or below all observed levels, with a warning if it is."""
+    low, high = float(rows.level[0]), float(rows.level[-1])
+    if low <= median <= high:
+        return Extrapolated.NO, []
+    side, level = (Extrapolated.ABOVE, high) if median > high else (Extrapolated.BELOW, low)
+    reached = counted(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
+    values = {"median": float(median), "level": level, "reached": reached, "records": rows.records}
+    return side, [WarningText(f"median_{side.name.lower()}", **values)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,18 +238,20 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     if not 0.0 < confidence < 1.0:
         raise ConfigError(f"fragility: confidence: expected a probability between 0 and 1, got {confidence!r}")
     family, events = FAMILIES[model], len(rows.events)
-    status, theta = missing(rows), np.full((1 + events, 2), np.nan)
+    (status, reason), theta = missing(rows), np.full((1 + events, 2), np.nan)
     centre, spread = 0.0, 1.0
     if status == Status.FITTED:
         u, centre, spread = standardised(np.log(rows.level))
         theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, rows.without_each_event())
         if not np.isfinite(theta[0, 1]):
-            status = Status.NO_MAXIMUM
+            status, reason = Status.NO_MAXIMUM, WarningText("no_maximum")
         elif theta[0, 1] <= 0.0:
-            status = Status.NOT_INCREASING
-        if status != Status.FITTED:
-            theta[:] = np.nan
-    band = _band(status, events, theta)
+            status, reason = Status.NOT_INCREASING, WarningText("not_increasing")
+    band, side, warnings = Band.NO_CURVE, Extrapolated.NO, [reason] if reason else []
+    if warnings:
+        theta[:] = np.nan
+    else:
+        band, warnings = band_of(rows, theta[:, 1])
     a, b = theta.T
     with np.errstate(invalid="ignore"):
         estimates = np.stack([centre - a / b * spread, np.log(family.deviation * spread / b)], axis=1)
@@ -301,13 +261,12 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     if status == Status.STEP:
         median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
     if status == Status.FITTED:
-        warnings = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
-    else:
-        warnings = [STATEMENTS[status](rows)]
+        side, beyond = extrapolated(median[0], rows)
+        warnings += beyond
     return Curve(
         status=status,
         band=band,
-        extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
+        extrapolated=side,
         statement="; ".join(warnings),
         statement_values=as_stored(warnings) if warnings else "",
         records=rows.records,
@@ -332,11 +291,3 @@ def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Return values (n,) scaled to mean zero and standard deviation one, with their original mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
-
-
-def _band(status: Status, events: int, theta: np.ndarray) -> Band:
-    if status != Status.FITTED:
-        return Band.NO_CURVE
-    if events < FEWEST_EVENTS:
-        return Band.ONE_EVENT if events == 1 else Band.FEW_EVENTS
-    return Band.GIVEN if np.all(theta[:, 1] > 0.0) else Band.RESTS_ON_ONE_EVENT

@@ -8,6 +8,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -17,7 +18,6 @@ from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
 from rockpulse.record.measures import MEASURES
-from rockpulse.run.analysis import Part, joined
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.curves import Curve, fit_curve, missing, standardised
@@ -40,7 +40,7 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tu
     known = np.isfinite(values) & (values > 0.0)
     if not np.all(known):
         rows = rows.only(known)
-        if missing(rows) != Status.FITTED:
+        if missing(rows)[0] != Status.FITTED:
             return nothing
     u = np.log(rows.qualities[:, column])
     if np.ptp(u) == 0.0:
@@ -65,15 +65,29 @@ class Ensemble:
 
     ids: list[str]  # (n,) ids of the records
     clusters: list[str]  # (n,) events of the records
-    sources: list[str]  # (n,) files of the records
     measures: np.ndarray  # (n, k, m) intensity measures of the unscaled records
     qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
     facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
     factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all scale factors [-]
-    step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first one
     reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
     weight: np.ndarray | None  # (n, r) weight of each scale factor [-]
     config: Config
+
+    @classmethod
+    def of(cls, table: xr.Dataset, config: Config) -> Self:
+        """Return the capacities in the group /capacities of a fragility file."""
+        stripes = "stripe" in table.dims
+        return cls(
+            ids=[str(name) for name in table["record"].values],
+            clusters=[str(name) for name in table["event"].values],
+            measures=np.moveaxis(table["measure_value"].values, 1, 2),
+            qualities=np.column_stack([table[name].values for name in QUALITIES]),
+            facts={name: table[name].values for name in FACTS},
+            factors=np.moveaxis(table["factor"].values, 1, 2),
+            reached=np.moveaxis(table["reached"].values, 1, 3) if stripes else None,
+            weight=table["weight"].transpose("record", "stripe").values if stripes else None,
+            config=config,
+        )
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
         """Return the observations of some bodies for a limit state and a measure; all arguments are indices."""
@@ -114,43 +128,9 @@ class Ensemble:
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather_ensemble(parts: Sequence[Part], config: Config) -> Ensemble:
-    """Join the parts of all records into one ensemble, sorted by record id; a part may have no rows."""
-    done = joined(parts)
-    return Ensemble(
-        ids=done["record"].tolist(),
-        clusters=done["event"].tolist(),
-        sources=done["source"].tolist(),
-        measures=done["measures"],
-        qualities=done["qualities"],
-        facts={name: done[name] for name in FACTS},
-        factors=done["factors"],
-        step=done.get("step"),
-        reached=done.get("reached"),
-        weight=done.get("weight"),
-        config=config,
-    )
-
-
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
     """Return the capacities stored in a fragility file."""
-    table = tree["capacities"].to_dataset()
-    config = config_from_text(str(tree.attrs["configuration"]))
-    factors, reached = (table[name].values for name in ("factor", "reached"))
-    stripes = "stripe" in table.dims
-    return Ensemble(
-        ids=[str(name) for name in table["record"].values],
-        clusters=[str(name) for name in table["event"].values],
-        sources=[str(name) for name in table["source"].values],
-        measures=np.moveaxis(table["measure_value"].values, 1, 2),
-        qualities=np.column_stack([table[name].values for name in QUALITIES]),
-        facts={name: table[name].values for name in FACTS},
-        factors=np.moveaxis(factors, 1, 2),
-        step=None if stripes else table["search_step"].values,
-        reached=np.moveaxis(reached, 1, 3) if stripes else None,
-        weight=table["weight"].transpose("record", "stripe").values if stripes else None,
-        config=config,
-    )
+    return Ensemble.of(tree["capacities"].to_dataset(), config_from_text(str(tree.attrs["configuration"])))
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,13 @@ from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import Failure
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, run, selected
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, joined, run, selected
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import selection_of
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
+from rockpulse.storage.variables.summary import FACTS
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble
 from rockpulse.studies.fragility.motion_capacity import FragilityBodies, empty_capacity, motion_capacity
 
 #: Number of points of a curve, its extent beyond the medians of a body (in dispersions), and the largest absolute
@@ -110,14 +111,14 @@ class FragilityAnalysis(Analysis):
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
         uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
-        ensemble = gather_ensemble([self.empty_part, *parts], self.config)
-        lanes = list(range(len(names)))
-        single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
         states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]
         coords = _coordinates(block=names, limit_state=states, measure=settings.measures)
+        capacities = _capacities(joined([self.empty_part, *parts]), self.config, coords)
+        ensemble, lanes = Ensemble.of(capacities, self.config), list(range(len(names)))
+        single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
         nodes = {
             "/fragility": _curves(single, block, uplift, settings.measures, coords),
-            "/capacities": _capacities(ensemble, coords),
+            "/capacities": capacities,
             "/efficiency": _efficiency(ensemble, single, pooled, coords),
             "/failures": failure_table(failures),
         }
@@ -168,30 +169,26 @@ def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
     return level, tables
 
 
-def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
-    search = data.config.search
-    factors = np.moveaxis(data.factors, 2, 1)
-    if data.reached is None:
-        variables = with_values(
-            stored.IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step}
-        )
+def _capacities(done: Part, config: Config, coords: dict[str, xr.Variable]) -> xr.Dataset:
+    factors, search = np.moveaxis(done["factors"], 2, 1), config.search
+    if "step" in done:
+        values = {"factor": factors, "reached": np.isfinite(factors), "search_step": done["step"]}
+        variables = with_values(stored.IDA, values)
         variables["factor"].attrs["comment"] = (
             f"searched up to a scale factor of {search.factor_max:g}, with {search.points} scale factors for each body "
             "in steps of search_step; too high if a limit state is reached only in a narrower interval"
         )
     else:
-        reached = np.moveaxis(data.reached, 3, 1)
-        variables = with_values(stored.STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
+        reached = np.moveaxis(done["reached"], 3, 1)
+        variables = with_values(stored.STRIPES, {"factor": factors, "reached": reached, "weight": done["weight"]})
     values = {
-        "measure_value": np.moveaxis(data.measures, 2, 1),
-        "event": data.clusters,
-        "source": data.sources,
-        **dict(zip(stored.QUALITIES, data.qualities.T, strict=True)),
-        **data.facts,
+        "measure_value": np.moveaxis(done["measures"], 2, 1),
+        **{name: done[name] for name in ("event", "source", *FACTS)},
+        **dict(zip(stored.QUALITIES, done["qualities"].T, strict=True)),
     }
-    coords = _coordinates(record=data.ids) | coords
-    capacities = xr.Dataset(variables | with_values(stored.CAPACITIES, values), coords)
-    if data.reached is None:
+    variables |= with_values(stored.CAPACITIES, values)
+    capacities = xr.Dataset(variables, _coordinates(record=done["record"].tolist()) | coords)
+    if "step" in done:
         capacities.attrs |= {"points": search.points, "factor_max": search.factor_max}
     return capacities
 

@@ -18,14 +18,14 @@ from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-from rockpulse.storage.variables.fragility import FRAGILITY, Status
+from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
-from rockpulse.studies.fragility.curves import STATEMENTS, missing
+from rockpulse.studies.fragility.curves import missing
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
-from rockpulse.warning_text import counted
+from rockpulse.warning_text import WarningText, counted
 
 #: Horizontal component to which the hazard must refer, for each value of [records] components.
 COMPONENTS = {
@@ -150,12 +150,12 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
         text = "every ground motion above the uplift PGA lifts the body, so that the frequency is exact and has no band"
         return found | _frequency(whole, low, high, asked) | {"statement": text}
-    status = missing(rows)
-    if status != Status.FITTED:
-        return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
+    _, reason = missing(rows)
+    if reason:
+        return found | {"statement": f"{reason} ({asked.hazard.measure} in SI units)"}
     lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
-        return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
+        return found | {"statement": WarningText("not_increasing")}
     # range of levels common to the records and the hazard
     least = max(float(rows.level[0]), asked.hazard.covered[0])
     low, high = math.log(least), math.log(max(least, min(float(rows.level[-1]), asked.hazard.covered[1])))

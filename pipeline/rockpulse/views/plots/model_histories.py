@@ -12,7 +12,7 @@ from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 from rocking.pictures import short_repr
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
-from rockpulse.config.floor_settings import floors_from_text
+from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene

@@ -14,7 +14,7 @@ from rocking.body.outline import Outline
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.pictures import thinned
 from rocking.response import Outcome, Response
-from rockpulse.config.floor_settings import floors_from_text
+from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation_panels import moving_stretch

@@ -236,25 +236,16 @@ def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
 
 def test_a_median_at_the_last_level_is_no_extrapolation():
     rows = Observations.of([2.0, 1.0, 3.0], [EXACT, ABOVE, ABOVE])
-    sides = [curves.extrapolated(median, rows) for median in (0.999, 1.0, 2.0, 3.0, 3.001)]
+    sides = [curves.extrapolated(median, rows)[0] for median in (0.999, 1.0, 2.0, 3.0, 3.001)]
     assert sides == [Extrapolated.BELOW, *[Extrapolated.NO] * 3, Extrapolated.ABOVE]
-    (said,) = curves.extrapolation_statement(3.5, rows)
-    assert said == (
-        "extrapolated: the median, 3.5, lies above all levels that were analysed, up to 3; 1 record of 3 reached "
-        "the limit state"
-    )
 
 
-def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
+@pytest.mark.parametrize(("slopes", "event"), [([-1.0, 0.5, 0.0, np.nan], "b"), ([1.0, 0.5, 0.2, -0.1], "c")])
+def test_the_first_of_the_events_without_which_there_is_no_curve_is_named(slopes, event):
     rows = Observations.of([1.0, 2.0, 3.0], [EXACT, EXACT, EXACT], ["a", "b", "c"])
-    slopes = np.array([-1.0, 0.5, 0.0, np.nan])
-    (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, slopes)
-    assert said == "no band: without the earthquake b there would be no curve"
-    (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, np.array([1.0, 0.5, 0.2, -0.1]))
-    assert said == "no band: without the earthquake c there would be no curve"
-    two = Observations.of([1.0, 2.0], [EXACT, EXACT], ["a", "b"])
-    (said,) = curves.band_statement(Band.FEW_EVENTS, two, slopes[:3])
-    assert said == "no band: the records come from 2 earthquakes; at least 3 are needed"
+    band, (said,) = curves.band_of(rows, np.array(slopes))
+    assert band == Band.RESTS_ON_ONE_EVENT
+    assert said == f"no band: without the earthquake {event} there would be no curve"
 
 
 def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():

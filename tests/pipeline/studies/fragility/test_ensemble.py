@@ -168,18 +168,15 @@ def by_hand(kind, **known):
     facts["vs30"] = np.array([300.0, 0.0, 500.0])
     measures = np.array([[[2.0, 3.0], [20.0, 30.0]], [[4.0, 5.0], [40.0, 50.0]], [[6.0, 7.0], [60.0, 70.0]]])
     qualities = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, np.nan]])
-    step, reached, weight = np.full((3, 2), 1.1), None, None
     return Ensemble(
         **{
             "ids": ["a", "b", "c"],
             "clusters": ["x", "y", "x"],
-            "sources": ["", "", ""],
             "measures": measures,
             "qualities": qualities,
             "facts": facts,
-            "step": step,
-            "reached": reached,
-            "weight": weight,
+            "reached": None,
+            "weight": None,
             "config": Config(
                 fragility=ida(
                     data=kind, factors=(0.5, 8.0), limit_states=(0.4, "overturning"), measures=("pga", "velocity_ratio")
@@ -231,7 +228,7 @@ def test_rows_of_stripes_are_those_that_were_looked_at():
     reached = np.zeros((3, 2, 2, 2), dtype=int)
     reached[0, 0, 1, 0], reached[1, 0, 0, 0], reached[0, 1, 0, 1], reached[2, 0, 0, 0] = 1, -1, 1, 1
     weight = np.array([[1.0, 3.0], [1.0, 1.0], [2.0, 0.0]])
-    ensemble = by_hand("stripes", factors=factors, reached=reached, weight=weight, step=None)
+    ensemble = by_hand("stripes", factors=factors, reached=reached, weight=weight)
     found = ensemble.observations(0, 0, [0])
     # Records are numbered as they have rows; an event of none is none.
     assert found.events == ("x",)

@@ -295,7 +295,6 @@ def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, stri
         np.testing.assert_array_equal(again.of(name).astype(float), expected)
     slope = found["efficiency"]["slope"].transpose("block", "limit_state", "measure", "quality").values
     np.testing.assert_array_equal(again.slope, slope)
-    assert stored.sources == [record.source for record in records]
 
 
 @pytest.mark.sweep

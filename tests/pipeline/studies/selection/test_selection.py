@@ -163,7 +163,7 @@ def test_a_selection_and_a_measure_are_demands_side_by_side(table, tmp_path):
     [
         ("record,level\nburst.0,1\n", "expected the column factor"),
         ("record,factor\nburst.0,1\nburst.0,2\n", "expected one row for each record, found 2 for burst.0"),
-        ("record,factor\nburst.0,-1\n", r"chosen\.csv: row 2: factor: expected a number above 0, found '-1'"),
+        ("record,factor\nburst.0,-1\n", r"chosen\.csv: row 1 of column 'factor': expected a number above 0"),
         ("record,factor\nnobody,1\n", r"\[\[demand\]\] selection: no record id matches nobody"),
     ],
 )
