@@ -57,18 +57,17 @@ class _Header:
         """Return the place ``file:line`` of a key, for messages."""
         return f"{self.name}:{self.entry(key)[2]}"
 
-    def per_channel(self, key: str) -> list[str]:
-        """Return the values for channels 1 to 12 from two lists such as ``/V/N90E/N00E``."""
-        found = []
+    def per_channel(self, key: str, numbers: Sequence[int]) -> list[str]:
+        """Return the values for the channels `numbers` from two lists such as ``/V/N90E/N00E``; blank if missing."""
+        found: list[str] = []
         for value in (self.text(f"{key} C1-C6"), self.text(f"{key} C7-C12")):
             items = [part.strip() for part in value.split("/")]
-            found += items[1:] if value.startswith("/") else [item for item in items if item]
-        return found
+            found += items[1:] if value.startswith("/") else filter(None, items)
+        return [found[number - 1] if 1 <= number <= len(found) else "" for number in numbers]
 
     def each(self, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
         """Return the values of a key for the channels `numbers` as texts; a value that is not a number is blank."""
-        listed = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
-        found = _chosen(listed, numbers)
+        found = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key, numbers)]
         if required and not all(text and float(text) > 0.0 for text in found):
             expected = f"'{key} C1-C6 : ' and {len(numbers)} numbers above 0"
             raise kit.unexpected(self.where(f"{key} C1-C6"), expected, repr(self.text(f"{key} C1-C6")))
@@ -86,11 +85,6 @@ class _Header:
         at = next((i for i, line in enumerate(self.lines) if _consonants(line).startswith(wanted)), len(self.lines))
         found = takewhile(lambda line: not line.startswith("==="), self.lines[at + 1 : at + 8])
         return " ".join(" ".join(found).split())
-
-
-def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
-    """Return the items for the channels `numbers` from a list for channels 1, 2, ...; blank for missing items."""
-    return [listed[number - 1] if 1 <= number <= len(listed) else "" for number in numbers]
 
 
 def _consonants(text: str) -> str:
@@ -176,7 +170,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     # The line may always number eight channels, even if fewer exist.
     if header.text("NUMERO DE CANALES").strip() == str(len(words)):
         numbers = numbers[: len(words)]
-    stated = _chosen(header.per_channel("ORIENTACION"), numbers)
+    stated = header.per_channel("ORIENTACION", numbers)
     pairs = zip(stated, words, strict=False)
     if len(words) != len(numbers) or any(said and _base(said) != _base(word) for said, word in pairs):
         expected = f"the directions of {len(numbers)} channels as in line {line}, {listed!r}"
@@ -191,22 +185,19 @@ def _columns(
     """Return the samples of each channel, and warnings; the padding of shorter channels is left out."""
     rows = len(lines) - first
     kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
-    if len(set(counts)) == 1:
-        if all(len(line.rstrip()) != width * len(counts) for line in lines[first : first + _LOOK_AT]):
-            table = kit.free_rows(lines[first:], first + 1, len(counts), name).ravel()
-        else:
-            table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
-        surplus = rows - counts[0]
-        notes = (
-            [f"the header states {counts[0]} samples, but the file has {rows} rows; all are kept"] if surplus else []
-        )
-        return list(table.reshape(rows, len(counts)).T), notes
-    columns = []
-    for index, count in enumerate(counts):
-        place = slice(index * width, (index + 1) * width)
-        fields = [line[place].ljust(width) for line in lines[first : first + count]]
-        columns.append(kit.fixed_width(fields, first + 1, width, 1, count, name))
-    return columns, [f"the channels have different lengths: {', '.join(map(str, counts))} samples (header)"]
+    if len(set(counts)) > 1:
+        columns = []
+        for index, count in enumerate(counts):
+            place = slice(index * width, (index + 1) * width)
+            fields = [line[place].ljust(width) for line in lines[first : first + count]]
+            columns.append(kit.fixed_width(fields, first + 1, width, 1, count, name))
+        return columns, [f"the channels have different lengths: {', '.join(map(str, counts))} samples (header)"]
+    if any(len(line.rstrip()) == width * len(counts) for line in lines[first : first + _LOOK_AT]):
+        table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
+    else:
+        table = kit.free_rows(lines[first:], first + 1, len(counts), name)
+    note = f"the header states {counts[0]} samples, but the file has {rows} rows; all are kept"
+    return list(table.reshape(rows, len(counts)).T), [note] if rows > counts[0] else []
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
@@ -231,14 +222,11 @@ def _facing(word: str) -> kit.Direction:
     """Return the direction of a channel from a word such as ``N00E``; ``N00E;-`` is the opposite direction."""
     base, sense = _base(word), word.partition(";")[2].strip()
     facing = kit.direction(base)
-    if sense in ("", "+"):
-        return facing
-    note = f"the component {word!r} is used as the direction opposite to {base}"
-    if sense != "-":
+    if sense not in ("", "+", "-"):
         return replace(facing, note=f"the sense {sense!r} of the component is not known; the sign is that of the file")
-    if facing.orientation == "vertical":
-        return replace(facing, sign=-facing.sign)
-    return replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0, note=note)
+    if sense != "-" or facing.orientation == "vertical":
+        return facing.opposite if sense == "-" else facing
+    return replace(facing.opposite, note=f"the component {word!r} is used as the direction opposite to {base}")
 
 
 def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime | None:

@@ -8,6 +8,7 @@ import csv
 import re
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import takewhile
 
 import numpy as np
 
@@ -52,7 +53,7 @@ _SCALE = re.compile(r"\b(?:SCALE FACTOR|SCALED BY)\s*[=:]?\s*(\d*\.?\d+(?:E[+-]?
 #: Patterns of an interval and a peak [g] in further header lines (SHAKE2000, NRC).
 _OTHER_STEP = re.compile(rf"\bDT\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII)
 _PEAK = re.compile(
-    r"\b(?:AMAX\s*[=:]|PEAK ACCELERATION\s*\(G\)\s*[=:])[\s\",]*(-?\d*\.\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII
+    r".*?\b(?:AMAX\s*[=:]|PEAK ACCELERATION\s*\(G\)\s*[=:])[\s\",]*(-?\d*\.\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII
 )
 #: Pattern of text in brackets after a component; the line may end before the closing bracket.
 _BEHIND = re.compile(r"\s*\([^()]*\)?\s*$")
@@ -66,36 +67,28 @@ _WIDTHS = (15, 10, 16, 12, 8, 13, 14, 11, 9)
 _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number", ("", "", "", "")
 
 
-def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the header line that states number of points and interval; None without such a line."""
+def _header_end(lines: Sequence[str], complete: bool = False) -> int | None:
+    """Return the index of the header line with the number of points (if `complete`, also the interval), or None."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
-        if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
-            return index
+        bare = _BARE.fullmatch(line)
+        if _NAMES_BOTH[0].search(line) or (bare and _SERIES.search(above) and _UNIT.search(above)):
+            # A line without digits contains the headings of a table.
+            both = re.search(r"(?<![\w.])\.?\d", line) and (bare or all(word.search(line) for word in _NAMES_BOTH))
+            return index if not complete or (both and "\x00" not in "".join(lines[: index + 1])) else None
         above = line
     return None
 
 
-def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the header line that states number of points and interval; None if no line states both."""
-    end = _header_end(lines)
-    if end is None or "\x00" in "".join(lines[: end + 1]):
-        return None
-    last = lines[end][: kit.LONGEST_LINE]
-    if not re.search(r"(?<![\w.])\.?\d", last):  # the headings of a table
-        return None
-    return end if all(word.search(last) for word in _NAMES_BOTH) or _BARE.fullmatch(last) else None
-
-
 def is_at2(head: bytes, name: str) -> bool:
     """Return whether one of the first lines of a text contains NPTS and DT."""
-    return _names_both(kit.text_lines(head[:2000])) is not None
+    return _header_end(kit.text_lines(head[:2000]), complete=True) is not None
 
 
 def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the only channel of the file; the unit of `options` is used only if the header states no unit."""
     lines = kit.text_lines(file.content)
-    end = _names_both(lines)
+    end = _header_end(lines, complete=True)
     if end is None:
         raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
     # A few words, such as the Fortran format, may precede the first row of numbers.
@@ -105,7 +98,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     event, station, component, facing = _title(header[: end + 1])
     unit = _unit(file, header, station, options.units)
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
-    match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
+    match = next(filter(None, matches), None) or _BARE.fullmatch(header[end])
     if match is None:
         expected, advice = "'NPTS= 4000, DT= .01 SEC' or '4000 .01 NPTS, DT'", "write the line in one of these ways"
         raise kit.unexpected(f"{file.name}:{end + 1}", expected, repr(header[end].strip()), advice)
@@ -115,7 +108,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     stop, behind = _numbers_stop(file.name, lines, first, count)
     samples, warnings = _samples(file.name, lines[:stop], first, count)
     facing, direction_notes = _facing(file, header, facing)
-    peak = next((match[1] for line in header if (match := _PEAK.search(line))), "")
+    peak = kit.first_match(_PEAK, header)
     written = _WRITTEN.match(header[0])
     # PEER records are corrected; files of rockpulse state it in the title, other files do not.
     processed = True if _PEER.search(header[0]) else None
@@ -308,15 +301,11 @@ def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[s
 def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
     """Return event, station, magnitude and Vs30 for each file name (in lower case) in the list of a folder."""
     found: dict[str, tuple[str, str, str, str]] = {}
-    heads: list[str] = []
+    reader = ([cell.strip() for cell in cells] for cells in csv.reader(kit.text_lines(content), skipinitialspace=True))
     try:
-        for values in csv.reader(kit.text_lines(content), skipinitialspace=True):
-            cells = [cell.strip() for cell in values]
-            if not heads:
-                heads = [cell.lower() for cell in cells] if _LIST_BEGINS in map(str.lower, cells) else []
-                continue
-            if len(cells) < len(heads) or not any(cells):
-                break
+        lowered = ([cell.lower() for cell in cells] for cells in reader)
+        heads = next((cells for cells in lowered if _LIST_BEGINS in cells), [])
+        for cells in takewhile(lambda cells: len(cells) >= len(heads) and any(cells), reader):
             entries = dict(zip(heads, cells, strict=False))
             names = [value for head, value in entries.items() if "filename" in head.replace(" ", "")]
             vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")

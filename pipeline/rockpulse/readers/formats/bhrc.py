@@ -29,7 +29,7 @@ _SQUARE = 3.0  # largest deviation of L and T from a right angle [degrees]
 
 def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; `options` is not used, because the file states unit and interval."""
-    lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
+    lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:", HEADER_LINES)
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
     starts = (start for start, _ in spans)
     counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
@@ -45,7 +45,6 @@ def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> kit.Record:
     start, end = span
-    kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")

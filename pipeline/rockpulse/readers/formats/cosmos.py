@@ -21,7 +21,7 @@ _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
     re.ASCII | re.IGNORECASE,
 )
-_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
+_GEOLOGY = re.compile(r".*?site geology:\s*(.*?)\s*$", re.IGNORECASE)
 #: Pattern of network and number of the earthquake before the channel codes: RcrdId: US.1000hyfh.NP.8040.HNE.01
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
@@ -134,14 +134,14 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
         station_name=header.text[4][40:].strip(),
         event=re.sub(r"^(?:rcrd|record) of\s+", "", " ".join(header.text[1].split()), flags=re.IGNORECASE),
         start_time=start_time,
-        event_id=next(filter(None, (kit.matched(_EVENT_ID, comment) for comment in header.comments)), ""),
+        event_id=kit.first_match(_EVENT_ID, header.comments),
         origin_time=kit.written(header.text[3]),
         magnitude=kit.preferred((header.real(at), scale) for at, scale in enumerate(("Mw", "Ms", "ML", ""), start=13)),
         hypocentre=(header.real(10), header.real(11)),
         depth_km=header.real(12),
         distance_km=header.real(17),
         station_place=(header.real(1), header.real(2)),
-        site_class=geology[1] if (geology := _GEOLOGY.search(header.text[5])) else "",
+        site_class=kit.matched(_GEOLOGY, header.text[5]),
         header_peak=peak,
         peak_factor=1.0,
         warnings=[*notes, *time_notes],

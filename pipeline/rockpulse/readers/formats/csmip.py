@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from rockpulse.errors import RecordRefused, UnitError
 from rockpulse.readers import kit
@@ -23,17 +23,18 @@ from rockpulse.readers.kit import csmip_layout as layout
 from rockpulse.readers.parts import PartRule
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
-_PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
+_PEAK_1 = re.compile(r".*?max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
 _UNIT = re.compile(r"\s*units of uncor \w+\s+(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(g(?:/10)?)\b", re.IGNORECASE)
-_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
-_RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
-_LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+_POINTS = re.compile(r".*?no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_RATE = re.compile(r".*?\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
+_LENGTH_1 = re.compile(r".*?record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: Relative tolerances of sampling rate and stated length: a correction may shorten or extend a trace a little.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
 _OPENING = 1500  # number of bytes that contain the 13 lines of text of the first channel
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
 _ReadHeader = Callable[[Sequence[str]], layout.CsmipHeader]
+_Held = Callable[[Sequence[str], kit.ChannelSamples], list[str]]
 #: Number of lines of title and text in volume 1, and in volume 2, which has further lines about the correction.
 _CORRECTION, _ALL_TEXT = 1 + layout.TEXT_LINES, 1 + layout.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
@@ -61,106 +62,104 @@ def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+def _held_uncorrected(head: Sequence[str], block: kit.ChannelSamples) -> list[str]:
+    length, time = kit.matched(_LENGTH_1, head[10]), kit.matched(_PEAK_1, head[11], 2)
+    return _held(block, head[layout.TEXT_LINES :], (3, 8, 7), kit.STANDARD_GRAVITY, length, time)
+
+
+def _held(
+    block: kit.ChannelSamples, behind: Sequence[str], numbers: Sequence[int], unit: float, length: str, time: str
+) -> list[str]:
+    """Return warnings if length, time of the peak or peak contradict the samples.
+
+    The text states `length` and `time`; the floating-point header values `numbers` are the length, the time and the
+    peak [`unit` m/s2].
+    """
+    lengths, times = (
+        (text, layout.real_header_value(behind, at)) for text, at in ((length, numbers[0]), (time, numbers[1]))
+    )
+    count, spare = round(block.duration / block.dt), _LENGTH_TOLERANCE * block.duration
+    notes = [note for text in lengths for note in kit.held_length(text, count, block.dt, spare)]
+    notes += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+    return notes + layout.held_peak_real(behind, numbers[2], block, unit)
+
+
+def read_uncorrected(
+    file: kit.SourceFile,
+    options: ReadOptions,
+    title: re.Pattern[str] = UNCORRECTED,
+    wording: str = "Uncorrected Accelerogram Data",
+    read_header: _ReadHeader = layout.read_csmip_header,
+    held: _Held = _held_uncorrected,
+) -> list[kit.Record]:
     """Read every channel of an uncorrected file (volume 1) of any network."""
-    lines, spans, copies = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
-    headers = []
-    for number, (start, end) in enumerate(spans, 1):
-        kit.check_count(f"{file.name}:{end}", layout.HEADER_LINES, end - start, f"header lines of channel {number}")
-        headers.append(layout.read_csmip_header(lines[start : start + layout.HEADER_LINES]))
+    lines, spans, copies = layout.channels(file, title, wording, layout.HEADER_LINES)
+    heads = [[line[: kit.LONGEST_LINE] for line in lines[at : at + layout.HEADER_LINES]] for at, _ in spans]
+    headers = [read_header(head) for head in heads]
     notes = (*layout.missing_channels(file.name, lines, spans, headers), *copies)
     records = []
-    for number, ((start, end), header) in enumerate(zip(spans, headers, strict=True), 1):
-        match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
+    for number, ((start, end), head, header) in enumerate(zip(spans, heads, headers, strict=True), 1):
         block = _uncorrected_block(file.name, lines, start, end)
-        behind = lines[start + layout.TEXT_LINES : start + layout.HEADER_LINES]
-        length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
-        lengths = (length[1] if length else "", layout.real_header_value(behind, 3))
-        doubts = _held(*lengths, round(block.duration / block.dt), block)
-        doubts += layout.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
-        times = [(match and match[2]) or "", layout.real_header_value(behind, 8)]
-        doubts += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
-        block, peak = block.noting(*dict.fromkeys(doubts)), kit.printed_number(match[1] if match else "")
-        stated = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY, "processed": False}
-        records.append(header.record(file, number, block, notes, **stated))
+        block = block.noting(*dict.fromkeys(held(head, block)))
+        peak = kit.printed_number(kit.matched(_PEAK_1, head[11]))
+        stated: dict[str, Any] = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY}
+        records.append(header.record(file, number, block, notes, processed=False, **stated))
     return records
 
 
-def _held(length: str, real_length: str, count: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the length in the text or among the floating-point header values contradicts the samples."""
-    spare = _LENGTH_TOLERANCE * block.duration
-    return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
-
-
 def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) -> kit.ChannelSamples:
-    first = start + layout.HEADER_LINES
+    first, below = start + layout.HEADER_LINES, lines[start + layout.TEXT_LINES : start + layout.HEADER_LINES]
     heading = layout.heading_at(lines, first) if first < end else None
     if not heading:
         count = kit.declared_points(lines[start + 10], f"{name}:{start + 11}")
         unit = kit.pair_unit(lines[start + 11], f"{name}:{start + 12}")
-        block = kit.pair_block(name, lines, first, end, count, unit)
-        return block.noting(*layout.held_count(lines[start + layout.TEXT_LINES : first], count))
+        return kit.pair_block(name, lines, first, end, count, unit).noting(*layout.held_count(below, count))
+    where = f"{name}:{first + 1}"
     if heading.kind != "acceleration":
-        raise kit.no_acceleration(f"{name}:{first + 1}", "points of acceleration", heading.kind)
+        raise kit.no_acceleration(where, "points of acceleration", heading.kind)
     block = layout.equal_block(name, lines, heading, end, heading.unit)
-    named = _UNIT.match(lines[start + 11][: kit.LONGEST_LINE])
-    stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
-    text, where = lines[start + 10][: kit.LONGEST_LINE], f"{name}:{first + 1}"
-    rate = _RATE.search(text)
-    _check_points(_POINTS.search(text), block, where)
-    number, rounding = kit.printed_number(rate[1] if rate else "")
-    if abs(1.0 / block.dt - number) > max(1.01 * rounding, _RATE_TOLERANCE * number):
-        expected, found = f"{number:g} samples/sec (text of the channel)", f"a heading with {1.0 / block.dt:g}"
-        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
-    counted = layout.held_count(lines[start + layout.TEXT_LINES : first], block.samples.size)
-    return block.noting(*counted, *kit.held_units(stated))
+    counts, units = (line[: kit.LONGEST_LINE] for line in lines[start + 10 : start + 12])
+    _check_heading(where, kit.matched(_POINTS, counts), block.samples.size, "{:.15g} points", "{:.15g}")
+    _check_heading(where, kit.matched(_RATE, counts), 1.0 / block.dt, "{:g} samples/sec", "{:g}", _RATE_TOLERANCE)
+    named = kit.matched(_UNIT, units).lower()
+    stated = [(f"line {first + 1}", block.unit), (f"line {start + 12}", named or block.unit)]
+    return block.noting(*layout.held_count(below, block.samples.size), *kit.held_units(stated))
 
 
-def _check_points(points: re.Match[str] | None, block: kit.ChannelSamples, where: str) -> None:
-    if points and int(points[1]) != block.samples.size:
-        expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
-        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
+def _check_heading(where: str, text: str, found: float, stated: str, heading: str, share: float = 0.0) -> None:
+    """Raise an error if the number `text` in the text of a channel differs from `found`, that of the heading."""
+    number, rounding = kit.printed_number(text)
+    if abs(found - number) > max(1.01 * rounding, share * number):
+        expected = f"{stated.format(number)} (text of the channel)"
+        raise kit.unexpected(where, expected, f"a heading with {heading.format(found)}", kit.FILE_DAMAGED)
 
 
 def read_corrected(
     file: kit.SourceFile, options: ReadOptions, read_header: _ReadHeader = layout.read_csmip_header
 ) -> list[kit.Record]:
     """Read every channel of a corrected file (volume 2) of any network."""
-    lines, spans, copies = layout.channels(file, _CORRECTED, "Corrected accelerogram")
+    lines, spans, copies = layout.channels(file, _CORRECTED, "Corrected accelerogram", _ALL_TEXT)
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
-        kit.check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
-        read = read_header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
-        repeated = (_COMPONENT.search(lines[at][: kit.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
-        headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
+        text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
+        repeated = (_COMPONENT.search(line) for line in (text[0], text[-2]))
+        header = read_header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
+        headers.append(replace(header, repeated=tuple(match[1] for match in repeated if match)))
         heading, behind = _acceleration(file.name, lines, start, end)
         if heading.kind != "acceleration":
             left_out.append((number, heading))
             continue
-        text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
         unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
         block = layout.equal_block(file.name, lines, heading, behind, unit)
-        where, interval = f"{file.name}:{heading.at + 1}", _first(_INTERVAL, text)
-        _check_points(_first(_DECLARED, text), block, where)
-        step, rounding = kit.printed_number(interval[1] if interval else "")
-        if abs(block.dt - step) > 1.01 * rounding:
-            expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
-            raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
+        where = f"{file.name}:{heading.at + 1}"
+        _check_heading(where, kit.first_match(_DECLARED, text), block.samples.size, "{:.15g} points", "{:.15g}")
+        _check_heading(where, kit.first_match(_INTERVAL, text), block.dt, "an interval of {:g} s", "{:g} s")
         block = block.noting(*_held_corrected(text, lines[start + _ALL_TEXT : heading.at], block))
-        filtered, corrected = _first(_FILTER, text[_CORRECTION:]), _first(_DECLARED, text[_CORRECTION:])
-        steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
-        done = [words.lower() if words.isupper() else words for words in steps]
-        records.append(
-            headers[-1].record(
-                file,
-                number,
-                block,
-                processed=True,
-                header_peak=peak,
-                peak_factor=peak_factor,
-                processing=[f"by the agency: {' '.join(words.split())}" for words in done],
-            )
-        )
+        steps = [kit.first_match(_DECLARED, text[_CORRECTION:], 2), kit.first_match(_FILTER, text[_CORRECTION:])]
+        done = [" ".join((words.lower() if words.isupper() else words).split()) for words in steps if words]
+        stated: dict[str, Any] = {"header_peak": peak, "peak_factor": peak_factor}
+        done = [f"by the agency: {words}" for words in done]
+        records.append(headers[-1].record(file, number, block, processed=True, processing=done, **stated))
     if not records:
         _, heading = left_out[0]
         where, advice = f"{file.name}:{heading.at + 1}", "read the file with the acceleration of the same record"
@@ -177,9 +176,8 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
     """Return the heading of the acceleration, or else of the first series, and the index of the line after it."""
     found: list[layout.SeriesHeading] = []
     for at in range(start + _ALL_TEXT, end):
-        heading = layout.heading_at(lines, at)
-        if heading and not (found and found[-1].at >= at):
-            found.append(heading)
+        heading = None if found and found[-1].at >= at else layout.heading_at(lines, at)
+        found += [heading] if heading else []
     channel = f"the channel that begins at line {start + 1}"
     if not found:
         expected = f"a line 'N points of accel data equally spaced at ...' in {channel}"
@@ -187,22 +185,18 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
     blocks = list(zip(found, [*(heading.at for heading in found[1:]), end], strict=True))
     for heading, behind in blocks:
         per_row = heading.layout[0] if heading.layout else 8
-        rows = -(-heading.count // per_row) if per_row else 0
-        available = behind - heading.at - 1
+        rows, available = -(-heading.count // per_row) if per_row else 0, behind - heading.at - 1
         if available < rows:
             kit.check_count(f"{name}:{behind}", rows, available, f"rows of {heading.kind}")
     accelerations = [block for block in blocks if block[0].kind == "acceleration"]
-    spans = [(heading.at, behind) for heading, behind in accelerations]
-    distinct, copies = kit.distinct_sections(lines, spans, "block")
+    distinct, copies = kit.distinct_sections(
+        lines, [(heading.at, behind) for heading, behind in accelerations], "block"
+    )
     if len(distinct) > 1:
         where, found_twice = f"{name}:{accelerations[1][0].at + 1}", "a second block of acceleration"
         raise kit.unexpected(where, f"the end of {channel}", found_twice, kit.FILE_DAMAGED)
     heading, behind = (accelerations or blocks)[0]
     return replace(heading, warnings=(*heading.warnings, *copies)), behind
-
-
-def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | None:
-    return next((match for line in lines if (match := pattern.match(line))), None)
 
 
 def _unit_and_peak(
@@ -222,17 +216,18 @@ def _unit_and_peak(
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.ChannelSamples) -> list[str]:
     """Return warnings if the stated length, peak, interval or units contradict the samples."""
-    length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
-    others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
-    notes = _held(length[1] if length else "", layout.real_header_value(behind, 60), block.values.size, block)
-    times = [(peak and peak[3]) or "", layout.real_header_value(behind, 65)]
-    notes += [note for one in times for note in kit.held_peak_time(one, block.times, block.values)]
-    notes += layout.held_peak_real(behind, 66, block, kit.UNITS["cm/s2"])
+    length, time, unit = (
+        kit.first_match(_LENGTH_2, text),
+        kit.first_match(_PEAK_2, text, 3),
+        kit.first_match(_PEAK_2, text, 2),
+    )
+    notes = _held(block, behind, (60, 65, 66), kit.UNITS["cm/s2"], length, time)
     step, rounding = kit.printed_number(layout.real_header_value(behind, 61))
     if abs(step - block.dt) > 1.01 * rounding:
         value = f"floating-point value 61 of the header states an interval of {step:g} s"
         notes.append(f"{value}, but the heading states {block.dt:g} s")
-    return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
+    others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
+    return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([unit, *others]) if unit else [])
 
 
 def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
@@ -259,7 +254,7 @@ def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 def _first_times(file: kit.SourceFile) -> dict[str, float]:
     """Return the time of the first sample of each component [s]; if a component occurs twice, the first one is used."""
-    lines, spans, _ = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
+    lines, spans, _ = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data", layout.HEADER_LINES)
     times: dict[str, float] = {}
     for start, _ in spans:
         component = layout.read_csmip_header(lines[start : start + layout.HEADER_LINES]).full_component.strip()

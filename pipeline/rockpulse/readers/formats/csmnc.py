@@ -52,11 +52,10 @@ def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     dt, count, above = float(step[1]), int(declared[1]), max(kind_at, step_at, count_at) + 1
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
-    component, facing, notes = _direction(file, _first(head, _COMPONENT))
-    size = next((match for line in head if (match := _SIZE.match(line[: kit.LONGEST_LINE]))), None)
+    component, facing, notes = _direction(file, kit.first_match(_COMPONENT, head).strip())
     named_at, origin = _origin(head)
     event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
-    magnitude = _first(head, _MAGNITUDE)
+    magnitude = kit.first_match(_MAGNITUDE, head).strip()
     return [
         kit.build_record(
             file,
@@ -66,20 +65,20 @@ def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             processed=not kind[1],
             component=component,
             facing=facing,
-            structural=kit.on_structure(_first(head, _POINT), stated=True),
-            station=_first(head, _STATION),
+            structural=kit.on_structure(kit.first_match(_POINT, head).strip(), stated=True),
+            station=kit.first_match(_STATION, head),
             event=" ".join(part for part in [*event, f"M {magnitude}" if magnitude else ""] if part),
             origin_time=origin,
-            magnitude=(size[1], size[2] or "") if size else ("", ""),
-            hypocentre=kit.coordinates(_first(head, _EPICENTRE)),
-            depth_km=_first(head, _DEPTH),
-            station_place=kit.coordinates(_first(head, _STATION_LINE)),
-            site_class=_first(head, _SITE),
-            header_peak=kit.printed_number(_first(head, _PEAK)),
+            magnitude=(kit.first_match(_SIZE, head), kit.first_match(_SIZE, head, 2)),
+            hypocentre=kit.coordinates(kit.first_match(_EPICENTRE, head)),
+            depth_km=kit.first_match(_DEPTH, head),
+            station_place=kit.coordinates(kit.first_match(_STATION_LINE, head)),
+            site_class=kit.first_match(_SITE, head),
+            header_peak=kit.printed_number(kit.first_match(_PEAK, head)),
             warnings=[
                 *notes,
-                *kit.held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
-                *kit.held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
+                *kit.held_length(kit.first_match(_DURATION, head), count, dt, _CUT_OFF),
+                *kit.held_peak_time(kit.first_match(_PEAK_TIME, head), dt * np.arange(count), samples),
                 *kit.surplus(lines, end, len(lines)),
             ],
         )
@@ -92,11 +91,6 @@ def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str)
         if match := pattern.search(line[: kit.LONGEST_LINE]):
             return index, match
     raise kit.unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
-
-
-def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
-    """Return the first group of a pattern in the first header line that matches it; empty if no line does."""
-    return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:

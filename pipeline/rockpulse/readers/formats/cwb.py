@@ -5,7 +5,6 @@ Lines that begin with ``#`` are followed by rows of the time [s] and the acceler
 """
 
 import re
-from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
@@ -32,8 +31,10 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         if match := _ENTRY.match(text[: kit.LONGEST_LINE]):
             header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
     unit = kit.canonical_unit(header.text("amplitudeunit").partition(".")[0], header.where("amplitudeunit"))
-    rate, _ = _positive(header, "samplerate", "a line '#SampleRate(Hz)' with a number of samples per s")
-    length, rounding = _positive(header, "recordlength", "a line '#RecordLength(sec)' with a duration")
+    expected = "a line '#SampleRate(Hz)' with a number of samples per s above 0"
+    rate = float(header.positive("samplerate", _NUMBER, expected))
+    expected = "a line '#RecordLength(sec)' with a duration above 0"
+    length, rounding = kit.printed_number(header.positive("recordlength", _NUMBER, expected))
     sequence, layout = header.get("datasequence", kit.Entry(line=first)), header.get("data", kit.Entry(line=first))
     channels, fields = _CHANNEL.findall(sequence.text), _FORMAT.fullmatch(layout.text)
     if not sequence.text.lower().startswith("time") or not channels:
@@ -66,7 +67,7 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             number=number,
             processed=False,
             component=f"{letter}({sign})",
-            facing=_facing(letter, sign),
+            facing=kit.direction(letter) if sign == "+" else kit.direction(letter).opposite,
             channel=letter.upper(),
             station=header.text("stationcode"),
             station_name=header.text("stationname"),
@@ -82,14 +83,6 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         )
         for number, (letter, sign) in enumerate(channels, start=1)
     ]
-
-
-def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
-    """Return a positive number from the header, and half a unit of its last digit; raise an error if missing."""
-    text = header.text(key)
-    if not _NUMBER.fullmatch(text) or not float(text) > 0.0:
-        raise kit.unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
-    return kit.printed_number(text)
 
 
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
@@ -119,15 +112,6 @@ def _peak(text: str) -> tuple[float, float]:
     """Return the larger absolute value of a range such as ``-12.3~10.5``, and half a unit of its last digit."""
     stated = _PEAK.fullmatch(text)
     return max(kit.printed_number(text.lstrip("-")) for text in stated.groups()) if stated else kit.printed_number("")
-
-
-def _facing(letter: str, sign: str) -> kit.Direction:
-    facing = kit.direction(letter)
-    if sign == "+":
-        return facing
-    if facing.orientation == "vertical":
-        return replace(facing, sign=-1.0)
-    return replace(facing, azimuth=facing.azimuth + 180.0)  # a horizontal direction, N or E
 
 
 CWB = Format(

@@ -8,6 +8,7 @@ Agencies write dates in three styles; AFAD (TADAS) describes the filter in lines
 import re
 from collections.abc import Sequence
 from datetime import datetime
+from itertools import takewhile
 
 import numpy as np
 
@@ -25,10 +26,7 @@ _DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
 _HELD = ("DURATION_S", "PGA_CM/S^2", "TIME_PGA_S", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ")
 #: Known keys of AFAD before the title, and the title of its corrected files.
 _AAD = "AAD_"
-_AAD_KEYS = {
-    f"{_AAD}{key}"
-    for key in ["BASELINE_CORRECTION", "FILTER_TYPE", "FILTER_ORDER", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ"]
-}
+_AAD_KEY = re.compile(r"AAD_(?:BASELINE_CORRECTION|FILTER_TYPE|FILTER_ORDER|(?:LOW|HIGH)_CUT_FREQUENCY_HZ)")
 _AAD_TITLE = re.compile(r"AAD_(\w+)_TADAS_FILE")
 _KEY = re.compile(r"([A-Z][A-Z0-9_/^]*):(.*)")
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
@@ -60,8 +58,8 @@ def is_dyna(head: bytes, name: str) -> bool:
     keys, end = _keys(lines, at)
     if at == 0:
         return True
-    behind = [line for line in lines[end : end + _FEWEST_KEYS] if line.strip()]
-    numbers = not behind or any(_DECIMAL.match(line.strip()) for line in behind)
+    behind = list(filter(None, map(str.strip, lines[end : end + _FEWEST_KEYS])))
+    numbers = not behind or any(map(_DECIMAL.match, behind))
     return numbers and sum(key in _TELLING for key, _, _ in keys) >= _FEWEST_KEYS
 
 
@@ -72,13 +70,9 @@ def _title(lines: Sequence[str]) -> int | None:
 
 def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]], int]:
     """Return key, value and line number of the entries from index `start`, and the index of the line after them."""
-    found: list[tuple[str, str, int]] = []
-    for at in range(start, len(lines)):
-        match = _KEY.match(lines[at].lstrip("\ufeff"))
-        if not match:
-            return found, at
-        found.append((match[1], match[2].strip(), at + 1))
-    return found, len(lines)
+    matches = takewhile(bool, (_KEY.match(line.lstrip("\ufeff")) for line in lines[start:]))
+    found = [(match[1], match[2].strip(), at) for at, match in enumerate(filter(None, matches), start + 1)]
+    return found, start + len(found)
 
 
 def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -92,13 +86,8 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if kind.upper() != "ACCELERATION":
         raise kit.no_acceleration(header.where("DATA_TYPE"), "'DATA_TYPE: ACCELERATION'", repr(kind))
     unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
-    step, count = header.number("SAMPLING_INTERVAL_S"), header.text("NDATA")
-    if not step > 0.0:
-        found = repr(header.text("SAMPLING_INTERVAL_S"))
-        raise kit.unexpected(header.where("SAMPLING_INTERVAL_S"), "a sampling interval in s above 0", found)
-    if not _COUNT.fullmatch(count):
-        raise kit.unexpected(header.where("NDATA"), "the number of samples", repr(count))
-    first, declared = header.end, int(count)
+    step = float(header.positive("SAMPLING_INTERVAL_S", _DECIMAL, "a sampling interval in s above 0"))
+    first, declared = header.end, int(header.positive("NDATA", _COUNT, "the number of samples"))
     kit.check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
     samples = kit.free_numbers(lines[first : first + declared], first + 1, file.name)
     if samples.size != declared:
@@ -182,7 +171,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
         title = _AAD_TITLE.fullmatch(text)
         if title:
             known.append((_AAD, title[1], line))
-        elif key in _AAD_KEYS and (not value or not key.endswith("_HZ") or _DECIMAL.fullmatch(value)):
+        elif _AAD_KEY.fullmatch(key) and (not value or not key.endswith("_HZ") or _DECIMAL.fullmatch(value)):
             known.append((key, value, line))
         elif text:
             unknown.append((line, text))

@@ -29,10 +29,7 @@ def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if aside and kit.UNITS[kit.canonical_unit(aside.strip(" )"), entries.where("UNIT"))] != kit.UNITS[unit]:
         two = f"the entry states two units, {entries.text('UNIT')!r}"
         raise UnitError(f"{entries.where('UNIT')}: {two}; correct the wrong one")
-    rate = _RATE.fullmatch(entries.text("SAMPLING RATE"))
-    if not rate or not float(rate[1]) > 0.0:
-        found = repr(entries.text("SAMPLING RATE"))
-        raise kit.unexpected(entries.where("SAMPLING RATE"), "'SAMPLING RATE= 100Hz'", found)
+    rate = float(entries.positive("SAMPLING RATE", _RATE, "'SAMPLING RATE= 100Hz'"))
     names = [name.strip().upper() for name in lines[first - 1].split(",") if name.strip()]
     rows = [line.replace(",", " ") for line in lines[first:]]
     table = kit.free_rows(rows, first + 1, len(names), file.name)
@@ -47,7 +44,7 @@ def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         kit.build_record(
             file,
             samples,
-            1.0 / float(rate[1]),
+            1.0 / rate,
             unit,
             number=number,
             processed=False,

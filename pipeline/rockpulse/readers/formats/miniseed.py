@@ -77,11 +77,8 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
 def _held_rate(rate: float, channel: Any) -> list[str]:
     """Return a warning if the sampling rate [1/s] in the StationXML differs from that of the data."""
     stated = rate if channel.sample_rate is None else float(channel.sample_rate)
-    if abs(stated - rate) <= _RATE_TOLERANCE * rate:
-        return []
-    return [
-        f"the StationXML states {stated:g} samples per s, but the data have {rate:g}; the interval of the data is used"
-    ]
+    note = f"the StationXML states {stated:g} samples per s, but the data have {rate:g}"
+    return [] if abs(stated - rate) <= _RATE_TOLERANCE * rate else [f"{note}; the interval of the data is used"]
 
 
 MINISEED = Format(

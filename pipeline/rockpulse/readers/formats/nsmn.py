@@ -35,8 +35,9 @@ def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     for number, line in enumerate(head[: found[0]], start=1):
         if entry := _KEY.match(line):
             header[entry[1].upper()] = kit.Entry(entry[3].strip(), entry[2] or "", number)
-    count, step = int(_number(header, "NUMBER OF DATA")), _number(header, "SAMPLING INTERVAL")
-    end = first + count
+    keys = ("NUMBER OF DATA", "SAMPLING INTERVAL")
+    samples_stated, step = (float(header.positive(key, _DECIMAL, f"'{key} : ' and a number above 0")) for key in keys)
+    count, end = int(samples_stated), first + int(samples_stated)
     kit.check_count(f"{file.name}:{len(lines)}", count, len(lines) - first, "rows")
     table = kit.free_rows(lines[first:end], first + 1, 3, file.name)
     unit = kit.canonical_unit(header["RAW PGA VALUES"].aside, header.where("RAW PGA VALUES"))
@@ -73,13 +74,6 @@ def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         )
         for number, (samples, component) in enumerate(zip(table.T, components, strict=True), start=1)
     ]
-
-
-def _number(header: kit.Entries, key: str) -> float:
-    text = header.text(key)
-    if not _DECIMAL.fullmatch(text) or not float(text) > 0.0:
-        raise kit.unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
-    return float(text)
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:

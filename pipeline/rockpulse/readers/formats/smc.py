@@ -92,7 +92,7 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
-            event_id=next(filter(None, (kit.matched(_EVENT_ID, line) for line in lines[_FIRST_COMMENT:first])), ""),
+            event_id=kit.first_match(_EVENT_ID, lines[_FIRST_COMMENT:first]),
             origin_time=_origin(event) if event else None,
             magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
             hypocentre=(latitude, longitude),

@@ -12,10 +12,10 @@ from functools import partial
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.formats.csmip import read_corrected
+from rockpulse.readers.format import Format, begins_with
+from rockpulse.readers.formats.csmip import read_corrected, read_uncorrected
 from rockpulse.readers.kit import csmip_layout
-from rockpulse.readers.kit.csmip_layout import HEADER_LINES, TEXT_LINES, channels, direction_code, held_count
+from rockpulse.readers.kit.csmip_layout import HEADER_LINES, TEXT_LINES, direction_code
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
@@ -38,47 +38,28 @@ _MEAN_SQUARE = re.compile(
 _MEAN_SQUARE_FACTOR = 1.2
 
 
-def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; `options` is not used, because the file states unit and interval."""
-    lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
-    records = []
-    for number, (start, end) in enumerate(spans, 1):
-        kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-        count = kit.declared_points(lines[start + 10], f"{file.name}:{start + 11}")
-        unit = kit.pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
-        block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        head = lines[start : start + HEADER_LINES]
-        notes = (*copies, *_held(head, count, block))
-        records.append(_header(head).record(file, number, block, notes, processed=False))
-    return records
-
-
-def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the stated count, duration or root mean square contradicts the samples."""
-    behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
-    notes = held_count(behind, points)
-    for text in (kit.matched(_DURATION, lines[10][:_WORDS]), csmip_layout.real_header_value(behind, 3)):
-        notes += kit.held_length(text, round(block.duration / block.dt), block.dt)
+def _held(head: Sequence[str], block: kit.ChannelSamples) -> list[str]:
+    """Return warnings if the stated duration or root mean square contradicts the samples."""
+    texts = kit.matched(_DURATION, head[10][:_WORDS]), csmip_layout.real_header_value(head[TEXT_LINES:], 3)
+    notes = [note for text in texts for note in kit.held_length(text, round(block.duration / block.dt), block.dt)]
+    square = _MEAN_SQUARE.match(head[12][:_WORDS])
     if not square:
         return notes
     stated, half = (value * kit.UNITS[square[2].lower()] for value in kit.printed_number(square[1]))
     peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may overflow
     found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * kit.UNITS[block.unit]
-    if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
-        return notes
-    said, has = stated / kit.UNITS["g"], found / kit.UNITS["g"]
-    return [
-        *notes,
-        f"the header states {said:.3g} g as the root mean square, but the samples have {has:.3g} g; check the unit",
-    ]
+    if stated > _MEAN_SQUARE_FACTOR * found + half or found > _MEAN_SQUARE_FACTOR * (stated + half):
+        said, has = (f"{value / kit.UNITS['g']:.3g} g" for value in (stated, found))
+        notes.append(f"the header states {said} as the root mean square, but the samples have {has}; check the unit")
+    return notes
 
 
 def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the floating-point values.
     row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""
-    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), row[20:30])
-    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), row[30:40])
+    distance = kit.first_match(_DISTANCE, behind) or row[20:30]
+    magnitude = kit.first_match(_MAGNITUDE, behind) or row[30:40]
     minute, origin = _MINUTE.match(text[2]), None
     if minute and minute[1].upper() in _MONTHS:
         day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
@@ -106,7 +87,13 @@ USC_V1 = Format(
     unit="g/10, from the header",
     example="017m30lw.e0a",
     detect=begins_with(_TITLE),
-    parse=read_usc_v1,
+    parse=partial(
+        read_uncorrected,
+        title=_TITLE,
+        wording="FILE N OF UNCORRECTED ACCELEROGRAM DATA",
+        read_header=_header,
+        held=_held,
+    ),
 )
 USC_V2 = Format(
     name="usc_v2",

@@ -133,7 +133,9 @@ class SeriesHeading:
         return matched(_UNIT, self.words)
 
 
-def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
+def channels(
+    file: SourceFile, title: re.Pattern[str], wording: str, header_lines: int = 1
+) -> tuple[list[str], list[Span], tuple[str, ...]]:
     """Return the lines of a file, the span of each channel (which begins with a line like `title`), and warnings."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
@@ -154,6 +156,8 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
         notes += (*repeated_marker(first, start), *repeated_marker(end, closing))
         start = next((i for i in range(closing + closed, len(lines)) if lines[i].strip()), len(lines))
     spans, copies = distinct_sections(lines, spans)
+    for number, (start, end) in enumerate(spans, 1):
+        check_count(f"{file.name}:{end}", header_lines, end - start, f"header lines of channel {number}")
     return lines, spans, (*notes, *copies)
 
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rockpulse.readers.kit.motion_kinds import beside_kinds
 from rockpulse.readers.source import SourceFile
@@ -96,6 +96,13 @@ class Direction:
         if self.orientation == "vertical":
             return "UP" if self.sign > 0.0 else "DOWN"
         return "" if math.isnan(self.azimuth) else f"{self.azimuth:03.0f}"
+
+    @property
+    def opposite(self) -> "Direction":
+        """Return the direction of a channel with the opposite sign."""
+        if self.orientation == "vertical":
+            return replace(self, sign=-self.sign)
+        return replace(self, azimuth=(self.azimuth + 180.0) % 360.0)
 
 
 def direction(wording: str) -> Direction:

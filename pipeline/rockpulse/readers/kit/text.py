@@ -1,7 +1,7 @@
 """Reads lines, header entries, numbers and units of text files, and makes the errors for damaged files."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from typing import NamedTuple
 
@@ -77,6 +77,12 @@ def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
     return (match[group] or "") if match else ""
 
 
+def first_match(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> str:
+    """Return a group of a pattern from the first line that begins with it; empty if no line does."""
+    found = (match for line in lines if (match := pattern.match(line[:LONGEST_LINE])))
+    return next((match[group] or "" for match in found), "")
+
+
 class Entry(NamedTuple):
     """The value that a header states for a key, the words in brackets after the key, and the line number."""
 
@@ -102,6 +108,13 @@ class Entries(dict[str, Entry]):
     def where(self, key: str) -> str:
         """Return the place ``file:line`` of a key, for messages."""
         return f"{self.name}:{self[key].line}"
+
+    def positive(self, key: str, pattern: re.Pattern[str], expected: str) -> str:
+        """Return the value of a key, or the first group of `pattern` in it; raise an error if it is not above 0."""
+        match = pattern.fullmatch(self.text(key))
+        if not match or not float(match[match.re.groups and 1]) > 0.0:
+            raise unexpected(self.where(key), expected, repr(self.text(key)[:40] or "none"))
+        return match[match.re.groups and 1]
 
 
 def text_lines(content: bytes) -> list[str]:

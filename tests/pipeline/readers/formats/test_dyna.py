@@ -109,7 +109,7 @@ def test_other_series_are_refused(kind):
         (dyna(VALUES)[:-500], r"stream:\d+: expected 300 samples .* found 2\d\d"),
         (dyna(VALUES, NDATA=999999999), "stream:364: expected 999999999 samples .* found 300"),
         (dyna(VALUES, NDATA=-3), "stream:30: expected the number of samples, found '-3'"),
-        (dyna(VALUES, NDATA=0), "expected a positive number of samples"),
+        (dyna(VALUES, NDATA=0), "expected the number of samples, found '0'"),
         (dyna(VALUES, NDATA="9" * 5000), "stream:30: expected the number of samples"),
         (dyna(VALUES, SAMPLING_INTERVAL_S="0.0"), "stream:29: expected a sampling interval"),
         (dyna(VALUES, without=["SAMPLING_INTERVAL_S"]), "stream:63: expected a sampling interval"),
