@@ -207,12 +207,12 @@ def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record
     """Add the second channel of a recording, or a warning that it is missing, to each channel; pairs stay unchanged."""
     partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
-
-    def partnered(one: PlannedMotion) -> PlannedMotion:
+    found = []
+    for one in planned:
         other = partner.get(id(one.channels[0]))
-        return replace(one, partner=other, warnings=one.warnings if other is not None else (*one.warnings, alone))
-
-    return [one if one.rotated else partnered(one) for one in planned]
+        warnings = one.warnings if other is not None else (*one.warnings, alone)
+        found.append(one if one.rotated else replace(one, partner=other, warnings=warnings))
+    return found
 
 
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
@@ -268,32 +268,21 @@ def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
     """Return a failure for each channel that is left out because it, or a channel used with it, is doubtful."""
-    confirm = config.records.confirm
-    channels, up = motions[0].channels, motions[0].vertical
+    confirm, first = config.records.confirm, motions[0]
     of_pair = f"{planned.name}: " if planned.rotated else ""
-    acting = [(of_pair, one) for one in channels]
-    if up is not None:
-        acting.append((f"{planned.name}: its vertical channel ", up))
-    if motions[0].partner is not None:
-        acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
-    doubted = {id(one): error for _, one in acting if (error := unconfirmed(one, confirm))}
-    causes = [(whose, one) for whose, one in acting if id(one) in doubted]
-    rows = [_row(one, stage, doubted[id(one)], whose) for whose, one in causes]
-    if causes:
-        cause = causes[0][1]
+    acting = [(of_pair, one) for one in first.channels]
+    others = (("its vertical channel", first.vertical), ("the other channel of its pair", first.partner))
+    acting += [(f"{planned.name}: {whose} ", one) for whose, one in others if one is not None]
+    doubted = [(one, error, whose) for whose, one in acting if (error := unconfirmed(one, confirm))]
+    rows = [_row(one, stage, error, whose) for one, error, whose in doubted]
+    if doubted:
+        cause, doubtful = doubted[0][0], [id(one) for one, _, _ in doubted]
         peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
-        rows += [
-            Failure(
-                one.source,
-                stage,
-                f"{of_pair}{one.id}: left out together with {cause.id}, {peak} has not been confirmed",
-                "failed",
-            )
-            for one in channels
-            if id(one) not in doubted
-        ]
+        reason = f"left out together with {cause.id}, {peak} has not been confirmed"
+        rest = [one for one in first.channels if id(one) not in doubtful]
+        rows += [Failure(one.source, stage, f"{of_pair}{one.id}: {reason}", "failed") for one in rest]
     strongest = max((motion.record for motion in motions), key=lambda record: record.pga)
-    open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
+    open_to_doubt = [one for one in first.channels if not id_matches(one.id, confirm)]
     if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
         peak = f"peak {strongest.pga / STANDARD_GRAVITY:.3g} g, turned to {strongest.azimuth:g} degrees"
         rows = [_row(strongest, stage, _too_strong(f"{planned.name}: {peak}", open_to_doubt))]

@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -60,12 +60,11 @@ class Comparison:
         return self.other, *self.beside
 
 
-@dataclass(frozen=True)
-class Likeness:
+class Likeness(NamedTuple):
     """The similarity of two records of the same ground motion, filtered and aligned in time."""
 
-    ratio: float  # peak of the second record divided by the peak of the first
-    correlation: float  # over their common time, from -1 to 1
+    ratio: float  #: peak of the second record divided by the peak of the first
+    correlation: float  #: over their common time, from -1 to 1
 
 
 def likeness(record: Record, other: Record) -> Likeness:
@@ -100,10 +99,10 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
-        if one.kind == "copy":
-            warning = _copy(channel, one.other)
+        if one.kind in ("copy", "component"):
+            warning = (_copy if one.kind == "copy" else _components)(channel, one.other)
         else:
-            warning = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
+            warning = _duplicate(channel, one)
         if warning is not None:
             found[one.channel] = found[one.channel].with_warning(warning)
     return found
@@ -137,34 +136,22 @@ def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
     like = likeness(channel, against.other)
     if against.kind == "clock" and abs(like.correlation) < CLOCK_CORRELATION:
         return None
-    expected = (
-        1.0 if channel.orientation == "vertical" else math.cos(math.radians(channel.azimuth - against.other.azimuth))
-    )
+    turned = 0.0 if channel.orientation == "vertical" else math.radians(channel.azimuth - against.other.azimuth)
     said: list[str] = []
     if abs(like.correlation) < LEAST_CORRELATION:
-        unlike = f"the correlation is {like.correlation:.2f}"
-        for other in against.beside:
-            crosswise = likeness(channel, other)
-            if abs(crosswise.correlation) >= LEAST_CORRELATION:
-                unlike += (
-                    f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
-                )
-                break
-        said.append(unlike)
-    elif like.correlation * expected < 0.0:
+        said.append(f"the correlation is {like.correlation:.2f}")
+        crosswise = ((other.id, likeness(channel, other).correlation) for other in against.beside)
+        if swapped := next((one for one in crosswise if abs(one[1]) >= LEAST_CORRELATION), None):
+            name, correlation = swapped
+            said[0] += f", and {correlation:.2f} with {name}: the labels of the components may be swapped"
+    elif like.correlation * math.cos(turned) < 0.0:
         said.append("the sign is opposite: one of them may be positive in the opposite direction")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
         said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
         return None
-    differences = "; ".join(said)
-    return WarningText(
-        "twin_differs",
-        other=against.other.id,
-        source=PurePath(against.other.source).name,
-        differences=differences,
-        decides=True,
-    )
+    source, differences = PurePath(against.other.source).name, "; ".join(said)
+    return WarningText("twin_differs", other=against.other.id, source=source, differences=differences, decides=True)
 
 
 def _ratio(ratio: float) -> str:

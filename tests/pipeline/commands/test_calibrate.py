@@ -89,8 +89,7 @@ def test_the_summary_shows_the_design_and_the_sequence(calibrated, motions, conf
 
 
 def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
-    records, failures = rp.read_all([motions])
-    tree = rp.calibrate(records, rp.load_config(config), failures=failures)
+    tree = rp.calibrate(motions, rp.load_config(config))
     assert loaded.attrs["kind"] == "site calibration"
     assert loaded.attrs["title"] == "An old town"
     assert loaded["site"].to_dataset().identical(tree["site"].to_dataset())

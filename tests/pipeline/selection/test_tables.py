@@ -47,12 +47,3 @@ def test_a_table_that_is_not_there_is_told(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.csv: no such file; expected a CSV table with the columns record"):
         selection_of(Config(fragility=settings, folder=tmp_path))
     assert selection_of(Config()) is None
-
-
-def test_a_selection_is_of_stripes_and_of_records_whose_ids_are_known():
-    with pytest.raises(ConfigError, match=r"expected data = .stripes"):
-        FragilitySettings(selection="a.csv", data="ida")
-    from rockpulse.config.settings import RecordSettings
-
-    with pytest.raises(ConfigError, match='use "horizontal", "azimuth" or "sweep"'):
-        Config(fragility=FragilitySettings(selection="a.csv"), records=RecordSettings(components="strongest"))

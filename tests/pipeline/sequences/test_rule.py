@@ -11,7 +11,7 @@ from rocking import OverturningSpectrum
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
-from rockpulse.sequences.rule import POINTS, Rule, load_rule, sequence_of_demand, traits
+from rockpulse.sequences.rule import POINTS, Rule, load_rule, sequence_of_demand
 from synthetic import synthetic_motion
 
 RULE = Rule("balanced", 1.0)
@@ -174,16 +174,6 @@ def test_a_file_of_whole_numbers_and_of_one_value_is_a_rule(tmp_path):
     path = tmp_path / "rule.toml"
     path.write_text("[range]\np = [1, 2]\nradius = [1.5, 1.5]\n[balanced]\nfactor = 1\n")
     assert load_rule("balanced", path) == Rule("balanced", 1.0, {"p": (1.0, 2.0), "radius": (1.5, 1.5)})
-
-
-def test_traits_are_those_of_the_rectangle_of_the_same_p_and_alpha():
-    block = Block.from_parameters(p=[2.0, 3.0, 2.0], alpha=[0.1, 0.2, 1.0], restitution=[0.9, 0.8, 0.5])
-    found = traits(block)
-    assert found["p"].tolist() == [2.0, 3.0, 2.0]
-    assert found["radius"] == pytest.approx(0.75 * 9.80665 / np.array([4.0, 9.0, 4.0]))  # p^2 = 3 g/(4 R)
-    assert found["slenderness"] == pytest.approx(1.0 / np.tan([0.1, 0.2, 1.0]))
-    ratio = np.array([0.9, 0.8]) / (1.0 - 1.5 * np.sin([0.1, 0.2]) ** 2)
-    assert found["restitution_ratio"] == pytest.approx([*ratio, np.inf])  # a stocky one has no Housner's C
 
 
 def test_every_factor_from_the_safety_factor_on_overturns_up_to_the_largest_that_is_asked_for():

@@ -70,8 +70,7 @@ def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
     found: dict[str, Rotations] = {}
     for lane, body in enumerate(answers.bodies):
         one = rotations_of(peaks[kept[:, lane], lane])
-        before = found.get(body.block)
-        if before is None or one.compared > before.compared or math.isnan(one.compared):
+        if body.block not in found or one.compared > found[body.block].compared or math.isnan(one.compared):
             found[body.block] = one
     return found
 
@@ -112,8 +111,8 @@ def _checked(body: Mechanism, assessed: Mechanism, rotations: Rotations, limit_s
 
 
 #: Settings in which checked and assessed bodies may differ, as the codes or the time histories do not use them.
-NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
-NOT_SHARED |= {"elastic_modulus", "kappa"}
+NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size", "elastic_modulus"}
+NOT_SHARED.add("kappa")
 UNLIMITED = "a tie has no ultimate elongation: its displacement at break is unknown, and d_0 is computed without ties"
 #: The code that uses the rotations of the results, and the code that is checked only if it is named.
 RECORDS, FRAME = "circolare_2019_records", "circolare_2019_frame"
@@ -187,9 +186,7 @@ def check(
     found = _mechanisms(config, config.check.confidence_factor)
     others = {} if answers is None else _others(answers, stored, config)
     columns = {
-        one: [_by_code(one, senses, why, spectrum, floors, config.check) for senses, why, floors in found.values()]
-        for one in codes
-        if one != RECORDS
+        one: [_by_code(one, *own, spectrum, config.check) for own in found.values()] for one in codes if one != RECORDS
     }
     if RECORDS in codes:
         of_records = {} if answers is None else _of_records(answers, found, _mechanisms(config), others, rule)
@@ -236,8 +233,8 @@ def _by_code(
     code: str,
     senses: Sequence[Mechanism],
     why: str,
-    spectrum: DemandSpectrum,
     floors: Sequence[FloorSettings],
+    spectrum: DemandSpectrum,
     settings: CheckSettings,
 ) -> Checked:
     if why:
@@ -252,11 +249,7 @@ def _by_code(
 
 
 def _of_records(
-    answers: Answers,
-    found: _Mechanisms,
-    assessed: _Mechanisms,
-    others: Mapping[str, str],
-    rule: str,
+    answers: Answers, found: _Mechanisms, assessed: _Mechanisms, others: Mapping[str, str], rule: str
 ) -> dict[str, list[Checked]]:
     """Return the checks of the rotations of all bodies, by column; each demand and limit state has its own column.
 

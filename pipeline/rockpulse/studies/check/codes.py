@@ -17,6 +17,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.code_spectra import (
@@ -121,13 +123,11 @@ def en_1998(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
     """Check a non-structural element (EN 1998-1, 4.3.5.2): the seismic force against the force that starts rocking."""
-    levels = [one.level for one in floors if one.level is not None]
-    opens = body.multiplier * body.gravity
-    if floors and not levels:
+    opens, height = body.multiplier * body.gravity, _relative_height(floors)
+    if floors and height is None:
         return Checked(opens, statement="level (height of the floor/height of the building) is not given")
-    height = max(levels, default=0.0)
     apart = 1.0 - body.initial_period / max(one.period for one in floors) if floors else 1.0
-    seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / (1.0 + apart**2) - 0.5)
+    seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + (height or 0.0)) / (1.0 + apart**2) - 0.5)
     return Checked(opens, seismic * settings.gamma_a / settings.q_a)
 
 
@@ -135,16 +135,19 @@ def circolare_2019_frame(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
     """Check a non-structural element of a framed building as in :func:`en_1998` (Circolare 7/2019, formula C7.2.11)."""
-    levels = [one.level for one in floors if one.level is not None]
-    opens = body.multiplier * body.gravity
-    if not levels:
+    opens, height = body.multiplier * body.gravity, _relative_height(floors)
+    if height is None:
         why = "formula C7.2.11 is for a framed building: give [[block.floor]] with its level"
         return Checked(opens, statement=why)
     first = max(one.period for one in floors)
     start, end, most = FRAMES[int(first >= 0.5) + int(first > 1.0)]
     apart = max(0.0, 1.0 - body.initial_period / (start * first), body.initial_period / (end * first) - 1.0)
-    seismic = spectrum.ground * max(1.0, (1.0 + max(levels)) * most / (1.0 + (most - 1.0) * apart**2))
+    seismic = spectrum.ground * max(1.0, (1.0 + height) * most / (1.0 + (most - 1.0) * apart**2))
     return Checked(opens, seismic / settings.q_a)
+
+
+def _relative_height(floors: Sequence[FloorSettings]) -> float | None:
+    return max((one.level for one in floors if one.level is not None), default=None)
 
 
 def _activation(body: Mechanism, settings: CheckSettings) -> float:
@@ -188,16 +191,10 @@ def worst(senses: Sequence[Checked]) -> Checked:
     """Combine the checks of both directions of rotation: take the worse acceleration and the worse displacement."""
     named = SENSES if len(senses) > 1 else ("",)
 
-    def of_displacement(place: int) -> float:
-        one = senses[place]
-        if math.isnan(one.displacement_ratio):
-            # A mechanism without resistance has the worst ratio.
-            return math.inf if math.isnan(one.displacement) else -math.inf
-        return one.displacement_ratio
-
-    places = range(len(senses))
-    opens = min(places, key=lambda at: senses[at].activation)
-    moves = min(places, key=of_displacement)
+    opens = min(range(len(senses)), key=lambda at: senses[at].activation)
+    allowed, ratio = np.array([(one.displacement, one.displacement_ratio) for one in senses]).T
+    # A mechanism without resistance has the worst ratio.
+    moves = int(np.argmin(np.where(np.isnan(ratio), np.where(np.isnan(allowed), np.inf, -np.inf), ratio)))
     statements = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
     return senses[moves]._replace(
         activation=senses[opens].activation,

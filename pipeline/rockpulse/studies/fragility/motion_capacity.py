@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,7 +132,9 @@ def motion_capacity(
             f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {settings.pga_min:g} m/s2"
         )
     pair = Pair(*motion.channels) if len(motion.channels) == 2 else None
-    rows = []
+    qualities = record_qualities(scene)
+    facts = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+    rows: list[dict[str, Any]] = []
     for reverse in (False, True) if np.any(np.asarray(lanes.block.side)) else (False,):
         found: dict[str, np.ndarray] = {}
         for place, numbers in places_of(lanes.bodies, record, pair, config):
@@ -148,8 +150,6 @@ def motion_capacity(
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array
         named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
-        qualities = record_qualities(scene)
-        facts = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
         rows.append({**found, **_weights(record.id, config, selection), **named, **facts})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 

@@ -307,16 +307,6 @@ class SiteHazards:
         return self.hazards[0].measure
 
     @property
-    def unit(self) -> str:
-        """Unit of the levels, as used in messages."""
-        return self.hazards[0].unit
-
-    @property
-    def unit_in_si(self) -> float:
-        """Factor that converts the unit of the levels to SI."""
-        return self.hazards[0].unit_in_si
-
-    @property
     def covered(self) -> tuple[float, float]:
         """First and last level of the hazards; a level that differs between hazards is NaN."""
         ends = np.array([one.covered for one in self.hazards])
@@ -339,25 +329,20 @@ class SiteHazards:
         """Description of the hazards in words."""
         if len(self.hazards) == 1:
             return self.hazards[0].words
-        return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
+        return (
+            f"{len(self.hazards)} hazards of {self.measure} in {self.hazards[0].unit}, such as {self.hazards[0].words}"
+        )
 
     def chosen(self, bodies: np.ndarray) -> "SiteHazards":
         """Return the hazards of some of the bodies, given by their indices."""
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
-    def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return, by body, ln of the annual rates of exceedance of levels (m, ...), given as ln of SI values."""
-        return self._of_each(log_level, "log_rate")
-
-    def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral [1/year] of the rate of exceedance over ln x from `log_level` (m, ...) on, by body."""
-        return self._of_each(log_level, "integral_above")
-
-    def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
+    def of_each(self, quantity: str, log_level: np.ndarray) -> np.ndarray:
+        """Return, by body, "log_rate" or "integral_above" at levels (m, ...), given as ln of SI values."""
         found = np.empty(log_level.shape)
         for number in np.unique(self.of_body).tolist():
             own = self.of_body == number
-            found[own] = getattr(self.hazards[number], method)(log_level[own])
+            found[own] = getattr(self.hazards[number], quantity)(log_level[own])
         return found
 
 

@@ -319,12 +319,10 @@ def inventory_frequency(
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{counted(events.shape[0], 'event')}, earthquakes equally weighted",
         measure=hazard.measure,
-        unit=hazard.unit,
-        unit_in_si=hazard.unit_in_si,
-        covered_low=hazard.covered[0],
-        covered_high=hazard.covered[1],
-        factor_low=config.fragility.factors[0],
-        factor_high=config.fragility.factors[1],
+        unit=hazard.hazards[0].unit,
+        unit_in_si=hazard.hazards[0].unit_in_si,
+        **dict(zip(("covered_low", "covered_high"), hazard.covered, strict=True)),
+        **dict(zip(("factor_low", "factor_high"), config.fragility.factors, strict=True)),
         events=events.shape[0],
         years=years,
         confidence=confidence,
@@ -337,11 +335,11 @@ def _of_bodies(
 ) -> dict[str, np.ndarray]:
     """Return the result variables of m bodies; `events` (k, r) are the weights of r records in k earthquakes."""
     # P is linear in ln x between two levels, so that its increase is multiplied by the mean of H between them.
-    whole_above = hazards.integral_above(curves.at)
+    whole_above = hazards.of_each("integral_above", curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
     rising = slope * -np.diff(whole_above, axis=2)
     # Increase of P above each stored level, up to 1 beyond the last one.
-    last = (1.0 - curves.probability[:, :, -1:]) * np.exp(hazards.log_rate(curves.at[:, :, -1:]))
+    last = (1.0 - curves.probability[:, :, -1:]) * np.exp(hazards.of_each("log_rate", curves.at[:, :, -1:]))
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
@@ -349,9 +347,9 @@ def _of_bodies(
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)
-        part = values_at(slope, step) * (hazards.integral_above(inside) - values_at(whole_above, step + 1))
-        found = chance * np.exp(hazards.log_rate(inside)) + part + values_at(tail, step + 1)
-        top = np.exp(hazards.log_rate(np.maximum(bound, curves.at[:, :, -1])))
+        part = values_at(slope, step) * (hazards.of_each("integral_above", inside) - values_at(whole_above, step + 1))
+        found = chance * np.exp(hazards.of_each("log_rate", inside)) + part + values_at(tail, step + 1)
+        top = np.exp(hazards.of_each("log_rate", np.maximum(bound, curves.at[:, :, -1])))
         return np.where(bound > curves.at[:, :, -1], top, found)
 
     weights = events.mean(axis=0)

@@ -50,7 +50,6 @@ SELECTION: Declared = {
 def select(
     records: Records,
     config: Config | str | os.PathLike[str] | None = None,
-    failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
     *,
     units: str | None = None,
@@ -64,7 +63,7 @@ def select(
         Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`.
     config : Config or path, optional
         Configuration with the sections records, conditioning, selection and, without a table of the target, check.
-    failures, progress, units, dt
+    progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -96,7 +95,7 @@ def select(
     >>> tree["selection"].sizes["record"], tree["selection"].attrs["compatible"]  # one pulse is no wide spectrum
     (1, 0)
     """
-    return run(SelectionAnalysis(given_config(config, units, dt)), records, failures, progress)
+    return run(SelectionAnalysis(given_config(config, units, dt)), records, progress=progress)
 
 
 class SelectionAnalysis(Analysis):

@@ -155,17 +155,3 @@ def test_a_tie_without_ultimate_is_stated_and_gives_no_displacement():
     said = found["statement"].values
     assert "a tie has no ultimate elongation" in said[1, 0]
     assert [said[0, 0], said[2, 0], said[1, 1]] == ["", "", ""]
-
-
-def test_the_strength_is_divided_by_the_confidence_factor():
-    wall = {"name": "wall", "width": 0.6, "height": 4.0, "density": 1800.0, "length": 1.0}
-    multipliers = [
-        float(rp.check(config=rp.Config(
-            bodies=(rp.BlockSettings(**wall, compressive_strength=strength),),
-            check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=factor),
-        ))["multiplier"].squeeze())
-        for strength, factor in ((1.35e6, 1.35), (1e6, 1.0), (1.35e6, 1.0))
-    ]  # fmt: skip
-    inside = 0.6 * 4.0 * 1800.0 * 9.80665 / 1.7e6
-    assert multipliers[:2] == pytest.approx([(0.3 - inside) / 2.0] * 2)
-    assert multipliers[2] > multipliers[0]

@@ -11,15 +11,6 @@ from rockpulse.studies.check.mechanism import Force, Mechanism, Weight, mechanis
 BODY, ROOF = Weight(100.0, 0.3, 2.0, True), Weight(20.0, 0.3, 4.0, True)
 
 
-def test_a_carried_roof_and_a_plastic_tie_are_the_hand_worked_case():
-    """alpha_0 = (30 + 6 + 15)/(200 + 80); e* = 280^2/(120 x 720); d_0 = (36/280) (720/280), without the tie."""
-    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, tie=True),))
-    assert held.multiplier == pytest.approx(51.0 / 280.0)
-    assert held.share == pytest.approx(78400.0 / 86400.0)
-    assert held.collapse_displacement == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
-    assert held.unlimited
-
-
 def test_a_tie_that_breaks_counts_for_the_activation_but_not_for_the_displacement():
     """It breaks after 0.1 m; d_0 = (36/280) (720/280), and at 0.4 d_0 it has moved 0.154 m: alpha = 0.6 x 36/280."""
     held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, 0.0, 0.1, tie=True),))
@@ -55,14 +46,6 @@ def test_the_edge_is_crushed_by_the_strength_divided_by_the_confidence_factor():
     multiplier = (own * (0.3 - inside) + 20e3 * (0.2 - inside)) / (own * 2.0 + 20e3 * 4.0)
     assert crushed.multiplier == pytest.approx(multiplier, rel=1e-6)
     assert mechanisms(wall)["wall"][0].multiplier > crushed.multiplier
-
-
-def test_a_roof_that_slides_holds_back_and_its_mass_stays_with_the_building():
-    """alpha_0 = (30 + 6 + 0.4 x 20 x 4)/200, d_0 = 2 x 68/280, e* = 1."""
-    held = Mechanism((BODY, ROOF._replace(moving=False)), (Force(8.0, 4.0),))
-    assert held.multiplier == pytest.approx(0.34)
-    assert held.share == 1.0
-    assert held.collapse_displacement == pytest.approx(2.0 * 68.0 / 280.0)
 
 
 def test_bodies_of_the_configuration_give_the_same_mechanisms():

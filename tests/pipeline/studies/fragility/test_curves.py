@@ -131,11 +131,6 @@ def test_correlated_records_of_few_events_widen_the_band():
             "only one of 4 records reached the limit state (at 2 to 4); at least two are needed",
         ),
         (
-            lambda: fit_capacities([1.0, 1.3, 1.7, *[np.inf] * 6], limits=[5.0] * 9, records=np.repeat(list("abc"), 3)),
-            Status.ONE_REACHED,
-            "only one of 3 records reached the limit state (at 1 to 1.7)",
-        ),
-        (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
             "the limit state was reached by each of 4 records at every level, from 1; add lower levels",
@@ -153,11 +148,6 @@ def test_correlated_records_of_few_events_widen_the_band():
         (lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [1, 1, 0, 0]), Status.SEPARATED, "are no stronger than the others"),
         (lambda: fit_stripes([1.0, 1.0, 1.0], [1, 0, 1]), Status.SEPARATED, "all motions have the same level, 1"),
         (lambda: fit_stripes([1, 2, 3, 4], [1, 0, 1, 0]), Status.NOT_INCREASING, "not reached more often"),
-        (
-            lambda: fit_stripes([1, 2, 3, 4], [0, 1, 0, 1], clusters=["a"] * 4, records=["r"] * 4),
-            Status.ONE_RECORD,
-            "only one record",
-        ),
     ],
 )
 def test_what_makes_no_curve_is_said_and_no_number_is_given(curve, status, words):

@@ -24,12 +24,6 @@ def rows(capacity, limit=np.inf):
     return Observations.of(np.minimum(capacity, limit), kind, EVENT, qualities=QUALITY[:, None])
 
 
-def test_the_slope_is_that_of_least_squares_where_all_capacities_are_known():
-    capacity = SCATTER * QUALITY**0.4
-    slope = np.polyfit(np.log(QUALITY), np.log(capacity), 1)[0]
-    assert sufficiency(rows(capacity), 0)[0] == pytest.approx(slope, rel=1e-6)
-
-
 def jackknifed(estimate, events):
     """An estimate from a mask of rows, and its standard error over the events, by leaving each of them out."""
     whole, names = estimate(np.ones(events.size, dtype=bool)), np.unique(events)

@@ -309,13 +309,6 @@ def test_weak_records_and_bad_ones_are_left_out_and_reported(records):
     assert failures["reason"].str.contains(re.escape("is below [fragility] pga_min = 1 m/s2")).sum() == 1
 
 
-@pytest.mark.sweep
-def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
-    several = {"wall": Block(0.6, 3.0, restitution=[0.85, 0.9])}
-    found = rp.fragility(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)
-    assert found["fragility"]["block"].values.tolist() == ["wall C 0.85", "wall C 0.9"]
-
-
 def test_the_schema_names_every_variable(tree, records):
     text = SCHEMA.read_text(encoding="utf-8").partition("## The fragility file")[2].partition("\n## ")[0]
     cloud = rp.fragility(records[:2], options(data="cloud", limit_states=["uplift"]), BLOCKS)
