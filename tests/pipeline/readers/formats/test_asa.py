@@ -7,7 +7,7 @@ import pytest
 from record_writers import pulse
 from record_writers.asa import asa
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 
 TABLE = np.round(np.column_stack([pulse(400, 5.0), pulse(400, -12.0), pulse(400, 9.0)]), 3)
@@ -15,9 +15,8 @@ TITLE = b"ARCHIVO ESTANDAR DE ACELERACION"
 NAME = "test.012"
 
 
-@pytest.mark.parametrize("end", ["\r\n", "\n"])
-def test_the_three_channels(write, end):
-    records = read(write(asa(TABLE, end=end)))
+def test_the_three_channels(write):
+    records = read(write(asa(TABLE)))
     for record, column in zip(records, TABLE.T, strict=True):
         assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
         assert (record.dt, record.processed, record.source_unit, record.warnings) == (0.004, False, "gal", ())
@@ -44,6 +43,10 @@ def test_accents_in_any_encoding(write, encoding):
         ("2004/01/02", "00:00:12.0", "23:59:58.5", datetime(2004, 1, 1, 23, 59, 58, 500000, tzinfo=UTC)),
         ("1985/09/19", "13:17:47,4", "13:18:30,25", datetime(1985, 9, 19, 13, 18, 30, 250000, tzinfo=UTC)),
         ("1985/09/19", "", "13:18:30", datetime(1985, 9, 19, 13, 18, 30, tzinfo=UTC)),
+        *(
+            (date, "06:13:40", "06:13:50", datetime(2000, 7, 21, 6, 13, 50, tzinfo=UTC))
+            for date in ("21/JUL/2000", "21/07/2000", "2000/07/21", "21-julio-2000")
+        ),
         ("1985/09/19", "13:17:47", "", None),
         ("", "13:17:47", "13:18:30", None),
         ("1985/09/19", "13:17:47", "17:18:30", None),
@@ -186,6 +189,7 @@ def test_another_number_of_channels_is_told(write):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
+        (asa(TABLE, unit="Cuentas"), r"test.012:78: unknown unit of acceleration 'Cuentas'"),
         (asa(TABLE, counts=(4000, 4000, 4000)), r"test.012:509: expected 4000 rows \(header\), found 400"),
         (asa(TABLE).replace(b"/400/400/400", b"/400/x/400"), r"test.012:72: expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE).replace(b"/400/400/400", b"/400/0/400"), r"test.012:72: expected .* and 3 numbers above 0"),
@@ -193,7 +197,6 @@ def test_another_number_of_channels_is_told(write):
         (asa(TABLE, intervals=(0.004, 0.004, 0.004), rate=(250, 250, 253)), r"test.012:47: expected intervals"),
         (asa(TABLE, layout="FREE"), r"test.012:80: expected the format 3F10.3"),
         (asa(TABLE).replace(b"CANAL-3", b"CANAL-4"), "expected 'NUM. TOTAL DE MUESTRAS"),
-        (asa(TABLE).replace(b"CANAL-3", b"CANAL-0"), "expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE).replace(b"CANAL-1", b"%s\r\n" % (b"-" * 80) * 2 + b"CANAL-1"), "expected 'DATOS DE ACELERACION:'"),
         (b"\n".join(asa(TABLE).splitlines()[:109]), "expected 400 rows .* found 0"),
         (b"\n".join(asa(TABLE).splitlines()[:108]), "expected 'DATOS DE ACELERACION:'"),
@@ -204,9 +207,7 @@ def test_another_number_of_channels_is_told(write):
             r"test.012:47: expected intervals .* found '/0/0/0' and '/0/0/0'",
         ),
         (asa(TABLE).replace(b"NUM. TOTAL DE MUESTRAS", b"N"), r"test.012:1: expected 'NUM. TOTAL DE MUESTRAS"),
-        (asa(TABLE, layout="4F10.3"), r"test.012:80: expected the format 3F10.3"),
         (asa(TABLE, headings=("V", "N00E", "N90E")), r"test.012:108: expected the directions of 3 channels"),
-        (asa(TABLE, headings=("V", "N00E")), r"test.012:108: expected the directions of 3 channels"),
         (asa(TABLE)[:3000], "expected 'DATOS DE ACELERACION:'"),
         (asa(TABLE)[:-5000], "expected 400 rows"),
         (
@@ -220,13 +221,8 @@ def test_another_number_of_channels_is_told(write):
     ],
 )
 def test_damage_is_named(write, content, message):
-    with pytest.raises(RecordFormatError, match=message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(content))
-
-
-def test_a_unit_that_is_not_known(write):
-    with pytest.raises(UnitError, match=r"test.012:78: unknown unit of acceleration 'Cuentas'"):
-        read(write(asa(TABLE, unit="Cuentas")))
 
 
 def test_the_line_above_the_values_may_be_a_ruler_of_eight_channels(write):
@@ -249,9 +245,3 @@ def test_fields_with_exponents(write, layout):
     changed = text.replace(old, f"{old.partition(':')[0]}: {layout}")
     for record, column in zip(read(write(changed.encode("latin-1"))), TABLE.T, strict=True):
         assert record.acceleration == pytest.approx(0.01 * column, abs=1e-9)
-
-
-@pytest.mark.parametrize("date", ["21/JUL/2000", "21/07/2000", "2000/07/21", "21-julio-2000"])
-def test_dates_as_they_are_written(write, date):
-    record = read(write(asa(TABLE, date=date, origin="06:13:40", start="06:13:50")))[0]
-    assert record.start_time == datetime(2000, 7, 21, 6, 13, 50, tzinfo=UTC)

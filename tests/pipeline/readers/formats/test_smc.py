@@ -31,10 +31,9 @@ def test_the_sample(samples):
     assert record.acceleration[:3] == pytest.approx([2.3489e-4, -1.6646e-4, 7.7538e-5], rel=1e-12)
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_corrected_accelerogram(write, end):
+def test_a_corrected_accelerogram(write):
     values = pulse(250, peak=120.0)
-    (record,) = read(write(smc(values, end=end)))
+    (record,) = read(write(smc(values)))
     assert record.acceleration == pytest.approx(0.01 * values, rel=1e-4, abs=1e-9)
     assert (record.dt, record.processed, record.source_unit) == (0.01, True, "cm/s2")
     assert record.start_time == datetime(2011, 8, 23, 17, 50, 56, 250000, tzinfo=UTC)
@@ -57,12 +56,6 @@ def test_raw_pairs_are_made_equal_in_step(write):
     values[8] = 0.01  # the fifth pair is the first of the second row
     with pytest.raises(RecordFormatError, match=r"test.smc:31: expected increasing times, found 0.01 s after 0.015 s"):
         read(write(smc(values, kind="1 UNCORRECTED ACCELEROGRAM", rate=None)))
-
-
-@pytest.mark.parametrize("kind", ["3 VELOCITY", "4 DISPLACEMENT", "5 RESPONSE SPECTRA", "6 FOURIER AMPLITUDE SPECTRUM"])
-def test_other_series_are_refused(write, kind):
-    with pytest.raises(NotAcceleration, match=r"test.smc:1: expected an accelerogram .* found type"):
-        read(write(smc(pulse(), kind=kind)))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +176,14 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
 @pytest.mark.parametrize(
     ("content", "message"),
     [
+        (
+            smc(pulse(), kind="3 VELOCITY"),
+            "test.smc:1: expected an accelerogram .* found type 3, velocity; read the acc",
+        ),
+        (
+            smc(pulse(), kind="6 FOURIER AMPLITUDE SPECTRUM"),
+            "test.smc:1: expected an accelerogram .* found type 6, four",
+        ),
         (smc(pulse(400), count=4000), "expected 4000 numbers .* found 400"),
         (smc(pulse(400), count=-5), "expected a positive number"),
         (smc(pulse(400), rate=-100.0), "expected a sampling rate"),
@@ -203,26 +204,19 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
     ],
 )
 def test_damage_is_named(write, content, message):
-    with pytest.raises(RecordFormatError, match=message):
+    with pytest.raises((RecordFormatError, NotAcceleration), match=message):
         read(write(content))
-
-
-def test_a_sampling_rate_of_ten_thousand_is_accepted(write):
-    (record,) = read(write(smc(pulse(400), rate=10_000.0)))
-    assert record.dt == 1e-4
+    assert read(write(smc(pulse(400), rate=10_000.0)))[0].dt == 1e-4  # the largest rate
 
 
 @pytest.mark.parametrize(
     ("codes", "structural"),
     [
         ({}, False),
-        ({19: 0}, False),
         ({19: 5}, False),
         ({19: 2, 27: 1}, True),
         ({19: 1}, True),
-        ({19: 1, 25: 12}, True),
         ({25: 12}, True),
-        ({19: 2, 27: 3}, True),
         ({19: 2, 27: 0}, False),
         ({19: 3, 28: 2}, True),
         ({19: 3, 28: 0}, False),
@@ -244,7 +238,6 @@ def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
 @pytest.mark.parametrize(
     ("moment", "words"),
     [
-        ((2011, 235, 17, 50, 56, 9_999_999_999), "is not a valid start time"),
         ((2011, 235, 17, 50, 56, -1), "is not a valid start time"),
         ((2011, 235, 17, 50, 56, 1000), "is not a valid start time"),
         ((2011, 366, 17, 50, 56, 0), "is not a valid start time"),
