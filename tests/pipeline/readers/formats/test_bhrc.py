@@ -36,6 +36,12 @@ def test_the_epicentre_is_not_the_place_of_the_station():
         assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.52, 46.86)
 
 
+@pytest.mark.parametrize("duration", [b"2.025", b"2.005"])
+def test_a_duration_may_be_off_by_two_steps(duration):
+    records = got(bhrc(THREE).replace(b"DURATION =   2.015", b"DURATION =   " + duration))
+    assert [(record.npts, record.warnings) for record in records] == [(403, ())] * 3
+
+
 def test_rows_beyond_the_declared_count_are_reported():
     records = got(bhrc(THREE, count=400))
     assert [record.npts for record in records] == [400] * 3
@@ -64,12 +70,6 @@ def test_rows_beyond_the_declared_count_are_reported():
 def test_damage_is_named(content, message):
     with pytest.raises(RockpulseError, match=message):
         got(content)
-
-
-@pytest.mark.parametrize(("duration", "count"), [(b"2.025", 403), (b"2.005", 403)])
-def test_a_duration_may_be_off_by_two_steps(duration, count):
-    records = got(bhrc(THREE).replace(b"DURATION =   2.015", b"DURATION =   " + duration))
-    assert [(record.npts, record.warnings) for record in records] == [(count, ())] * 3
 
 
 @pytest.mark.parametrize(("azimuth", "told"), [(85, False), (86, True), (79, False), (78, True), (262, False)])

@@ -36,6 +36,7 @@ def test_a_vertical_that_is_positive_downwards_changes_its_sign():
 @pytest.mark.parametrize(
     ("start", "reason"),
     [
+        ("", ""),
         ("StartTime: 1999/ 9/20-17:47: 2.000", "names no time zone"),
         ("StartTime(GMT+08): 2018/02/30-23:50:29.000", "cannot be read"),
         ("StartTime(GMT+08): yesterday", "cannot be read"),
@@ -45,7 +46,7 @@ def test_a_vertical_that_is_positive_downwards_changes_its_sign():
 def test_a_doubtful_start_is_left_out_with_the_reason(start, reason):
     records = got(cwb(THREE, start=start))
     assert {record.start_time for record in records} == {None}
-    assert all(reason in record.warnings[0] for record in records)
+    assert all(reason in "".join(record.warnings) and bool(reason) is bool(record.warnings) for record in records)
 
 
 def test_blanks_in_dates_and_a_first_row_later_than_the_start():
@@ -54,20 +55,10 @@ def test_blanks_in_dates_and_a_first_row_later_than_the_start():
     assert record.start_time == datetime(1999, 9, 20, 17, 47, 12, 500000, tzinfo=UTC)
 
 
-def test_a_header_without_times_is_no_fault():
-    record = got(cwb(THREE, start="", origin=""))[0]
-    assert (record.start_time, record.warnings) == (None, ())
-
-
-def test_more_rows_than_the_header_states_are_reported():
-    record = got(cwb(THREE, length="4"))[0]
-    assert record.npts == 400
-    assert "the header states 4 s at 50 samples per s, but the file has 400 rows" in record.warnings[0]
-
-
 @pytest.mark.parametrize(("length", "told"), [("7.98", 0), ("7.96", 1), ("0.01", 1)])
 def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
-    assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
+    note = f"the header states {float(length):g} s at 50 samples per s, but the file has 400 rows"
+    assert [record.warnings for record in got(cwb(THREE, length=length))] == [(note,) * told] * 3
 
 
 def without_row(content: bytes, row: int) -> bytes:
@@ -80,7 +71,6 @@ def without_row(content: bytes, row: int) -> bytes:
     [
         (cwb(THREE)[:9000], r"stream:\d+: expected 375 rows .* found \d+"),
         (cwb(THREE, length="120"), r"stream:422: expected 5975 rows .* found 400"),
-        (cwb(THREE, length="999999999"), r"expected 49999999925 rows"),
         (cwb(THREE)[:-7], r"stream:422: expected 4 fields of 10 characters"),
         (without_row(cwb(THREE), 100), r"stream:123: expected the time 2 s .* found 2.02 s"),
         (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"), "stream:24: expected the time 0.025 s .* found 0.02 s"),
@@ -88,10 +78,8 @@ def without_row(content: bytes, row: int) -> bytes:
         (cwb(THREE).replace(b"#SampleRate", b"#Sample"), "stream:1: expected a line '#SampleRate"),
         (cwb(THREE, sequence="Time"), "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, sequence="U(+); N(+); E(+)"), "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, layout="FREE"), "stream:22: expected '#Data: 4F10.3'"),
         (cwb([one[:1] for one in THREE], length="0.01"), "expected at least 2 samples, found 1"),
         (cwb(THREE, unit="stone. DC"), "stream:17: unknown unit of acceleration 'stone'"),
-        (cwb(THREE, sequence="U N E"), "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, layout="3F10.3"), "stream:22: expected '#Data: 4F10.3'"),
         (cwb(THREE, layout="4F0.3"), "expected fields of at least 1 character"),
         (cwb(THREE).replace(b"     7.100", b"     7.1x0"), "stream:29: expected a finite number"),

@@ -1,6 +1,6 @@
 """GeoNet V1A and V2A (New Zealand): both volumes, directions, clocks, damaged files."""
 
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 
 import numpy as np
 import pytest
@@ -14,9 +14,8 @@ THREE = tuple(np.round(pulse(203, peak, dt=0.005), 1) for peak in (2394.8, 2584.
 
 
 @pytest.mark.parametrize("corrected", [False, True])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_only_the_accelerations_of_both_volumes_are_read(corrected, end):
-    records = got(geonet(THREE, corrected=corrected, end=end))
+def test_only_the_accelerations_of_both_volumes_are_read(corrected):
+    records = got(geonet(THREE, corrected=corrected))
     assert [record.processed for record in records] == [corrected] * 3
     for record, values in zip(records, THREE, strict=True):
         assert record.acceleration == pytest.approx(0.001 * values, rel=1e-12)
@@ -31,15 +30,9 @@ def test_readings_in_another_unit_are_multiplied():
     assert record.warnings == ()
 
 
-def test_the_fraction_of_the_start_is_in_milliseconds():
-    start = datetime(2016, 2, 14, 0, 13, 25, 845000, tzinfo=UTC)
-    (record,) = got(geonet([THREE[0]], ["Up"], start=start, origin=datetime(2016, 2, 14, 0, 13, 43, tzinfo=UTC)))
-    assert record.start_time == start
-
-
 @pytest.mark.parametrize(("hours", "kept"), [(-0.9, True), (0.9, True), (-13.0, False), (2.0, False)])
 def test_a_start_far_from_the_earthquake_is_left_out(hours, kept):
-    start = START + timedelta(hours=hours)
+    start = START + timedelta(hours=hours, milliseconds=845)
     (record,) = got(geonet([THREE[0]], ["Up"], start=start))
     assert record.start_time == (start if kept else None)
     assert any("h from the earthquake of 2016-11-13 11:02:56" in note for note in record.warnings) is not kept
@@ -56,20 +49,17 @@ LETTER = geonet((THREE[0], np.concatenate([[-5.0], THREE[1]]), THREE[2])).replac
         (geonet(THREE)[:3000], r"stream:\d+: expected 21 rows of values of component 1"),
         (geonet(THREE, corrected=True)[:-200], "expected 63 rows of values of component 3"),
         (geonet(THREE).replace(b"points    203", b"points    204"), r"stream:10: expected 'Number"),
-        (geonet(THREE).replace(b"     203", b"99999999"), r"stream:10: expected 'Number of points"),
         (geonet(THREE).replace(b"  0.0050  0.0050", b"  0.0050  0.0500"), "stream:11: .* of 0.05 s"),
         (geonet(THREE).replace(b"of 1.00 mm/s/s", b"of 1.00 furlong"), "stream:11: unknown unit"),
         (geonet(THREE, corrected=True).replace(b"mm/s/s", b"stone "), "stream:14: unknown unit"),
         (geonet(THREE).replace(b"    82.0\n", b"    8x.0\n"), r"stream:\d+: expected a finite"),
         (geonet(THREE).replace(b"      10       0     140", b"      1o       0     140"), "stream:113:"),
-        (geonet(THREE).replace(b"  9806.6", b"  98o6.6", 2).replace(b"o", b"0", 0), "stream:23: expected a"),
         (LETTER, r"stream:74: expected a finite number, found '5x'"),
         (geonet(THREE).replace(b" at intervals of 0.005 s", b""), "stream:11: .* of 0.005 s"),
         (
             geonet(THREE).replace(b" 0.005 s", b" 0.000 s").replace(b"  0.0050  0.0050", b"  0.0050  0.0000"),
             "stream:11: expected an interval of 0 s",
         ),
-        (geonet(THREE).replace(b"  0.0050  0.0050", b"  0.0050  0.0056"), "stream:11: .* of 0.0056 s"),
         (geonet(THREE).replace(b"     203       0", b"     203      -1"), r"stream:20: .* found \[203, -1, 0\]"),
         (geonet(THREE) + b"more\n", "expected the title of component 4"),
     ],

@@ -48,9 +48,8 @@ def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
         )
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_channels_l_v_t(end):
-    records = got(renadic(THREE, end=end))
+def test_channels_l_v_t():
+    records = got(renadic(THREE))
     for record, values in zip(records, THREE, strict=True):
         assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
         assert type(record) is Record

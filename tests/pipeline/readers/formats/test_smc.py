@@ -33,17 +33,14 @@ def test_the_sample(samples):
 
 def test_a_corrected_accelerogram(write):
     values = pulse(250, peak=120.0)
-    (record,) = read(write(smc(values)))
+    (record,) = read(write(smc(values, codes={18: 1})))
+    assert any("integer 18" in note for note in record.warnings)  # a problem that the agency flags
+    uncommented = smc(values, codes={16: -32768, 18: 0}).replace(b"|\n| written by a test\n", b"")
+    assert np.array_equal(read(write(uncommented))[0].acceleration, record.acceleration)
+    assert read(write(uncommented))[0].warnings == ()
     assert record.acceleration == pytest.approx(0.01 * values, rel=1e-4, abs=1e-9)
     assert (record.dt, record.processed, record.source_unit) == (0.01, True, "cm/s2")
     assert record.start_time == datetime(2011, 8, 23, 17, 50, 56, 250000, tzinfo=UTC)
-
-
-def test_a_header_without_the_number_of_its_comments_has_none(write):
-    values = pulse(250, peak=120.0)
-    content = smc(values, codes={16: -32768}).replace(b"|\n| written by a test\n", b"")
-    (record,) = read(write(content))
-    assert record.acceleration == pytest.approx(0.01 * values, rel=1e-4, abs=1e-9)
 
 
 def test_raw_pairs_are_made_equal_in_step(write):
@@ -66,13 +63,10 @@ def test_raw_pairs_are_made_equal_in_step(write):
         ({"component": "S 58 E", "azimuth": 45}, "horizontal", np.nan),
         ({"component": "up", "azimuth": 45, "vertical": 0}, "vertical", np.nan),
         ({"component": "up", "azimuth": 45}, "unknown", np.nan),
-        ({"component": "?", "azimuth": 75}, "horizontal", 75.0),
         ({"component": "?", "azimuth": -32768, "vertical": 0}, "vertical", np.nan),
-        ({"component": "?", "azimuth": -32768}, "unknown", np.nan),
         ({"component": "down", "azimuth": -32768, "vertical": 180}, "vertical", np.nan),
         ({"component": "up", "azimuth": -32768, "vertical": 180}, "unknown", np.nan),
         ({"component": "?", "azimuth": 75, "vertical": 90}, "horizontal", 75.0),
-        ({"component": "?", "azimuth": 0}, "horizontal", 0.0),
         ({"component": "?", "azimuth": 360}, "horizontal", 0.0),
         ({"component": "?", "azimuth": 361}, "unknown", np.nan),
         ({"component": "?", "azimuth": -1}, "unknown", np.nan),
@@ -83,12 +77,7 @@ def test_direction_from_the_wording_else_from_the_integers(write, arguments, ori
     (record,) = read(write(smc(pulse(), **arguments)))
     assert record.orientation == orientation
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
-
-
-@pytest.mark.parametrize(("angle", "sign"), [(0, 1.0), (180, -1.0)])
-def test_an_angle_from_the_vertical_turns_the_sign(write, angle, sign):
-    (record,) = read(write(smc([1.0, -7.0, 3.0], component="?", azimuth=-32768, vertical=angle)))
-    assert record.acceleration == pytest.approx(sign * np.array([0.01, -0.07, 0.03]), rel=1e-12)
+    assert np.sign(record.unit_factor) == (-1.0 if arguments.get("component") == "down" else 1.0)
 
 
 #: The largest is at 0.04 s, the least at 0.1 s.
@@ -103,14 +92,8 @@ UNEVEN = [1.0, 5.0, 50.0, 7.0, -3.0, -20.0, -2.0, 0.5, 0.0, 3.0, 1.0, -1.0, 0.0,
         ({30: 51.5}, ["floating-point value 30 of the header states 51.5 cm/s2 as the largest value, but the"]),
         ({30: 48.5}, ["floating-point value 30 of the header states 48.5 cm/s2 as the largest value, but the"]),
         ({32: -21.5}, ["floating-point value 32 of the header states -21.5 cm/s2 as the least value, but the"]),
-        (
-            {30: 0.0},
-            ["floating-point value 30 of the header states 0 cm/s2 as the largest value, but the samples have 50"],
-        ),
-        (
-            {32: 0.0},
-            ["floating-point value 32 of the header states 0 cm/s2 as the least value, but the samples have -20"],
-        ),
+        ({30: 0.0}, ["floating-point value 30 .* states 0 cm/s2 as the largest value, but the samples have 50"]),
+        ({32: 0.0}, ["floating-point value 32 .* states 0 cm/s2 as the least value, but the samples have -20"]),
         ({29: 0.28}, ["the header states the peak at 0.28 s, .* the samples have it at 0.04 s"]),
         ({31: 0.3}, ["the header states the peak at 0.3 s, .* the samples have it at 0.1 s"]),
         ({29: 0.0, 30: 0.0, 31: 9.0, 32: 0.0}, []),  # nobody has filled them in
@@ -147,6 +130,10 @@ def test_without_a_line_of_the_earthquake_the_start_stands(write):
     (record,) = read(write(smc(pulse(), event="unknown", note="EventID: \u00e9", moment=(2011, 235, 17, 50, 56, 999))))
     assert record.start_time == datetime(2011, 8, 23, 17, 50, 56, 999_000, tzinfo=UTC)
     assert (record.event, record.event_id, record.origin_time, record.warnings) == ("", "", None, ())
+    # Without milliseconds, the time is the minute of the earthquake.
+    for component, name in (("360", "test.360"), ("", "test.1")):
+        (record,) = read(write(smc(pulse(), component=component, moment=(1987, 274, 14, 42, 0, -32768))))
+        assert (record.start_time, record.id) == (None, name)
 
 
 @pytest.mark.parametrize(
@@ -157,20 +144,11 @@ def test_without_a_line_of_the_earthquake_the_start_stands(write):
         (b"2 CORRECTED ACCELEROGRAM\n" + 9 * b"*\n" + b"*", True),
         (b"2 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"    -32768         7", True),
         (b"2 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"words", False),
-        (b"7 CORRECTED ACCELEROGRAM\n", False),
         (b"7 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"    -32768         7", False),
     ],
 )
 def test_the_format_is_known_by_its_title_and_integers(content, known):
     assert is_smc(content, "test.smc") is known
-
-
-def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_record(write):
-    (record,) = read(write(smc(pulse(), moment=(1987, 274, 14, 42, 0, -32768))))
-    assert record.start_time is None
-    assert record.id == "test.360"
-    (record,) = read(write(smc(pulse(), component="", moment=(1987, 274, 14, 42, 0, -32768))))
-    assert record.id == "test.1"
 
 
 @pytest.mark.parametrize(
@@ -196,10 +174,6 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
         (smc(pulse(401), kind="1 UNCORRECTED ACCELEROGRAM", rate=None), "expected an even number"),
         (smc(pulse(400))[:900], "expected|header lines"),
         (smc(pulse(400)).replace(b"| written", b"  written"), r"test.smc:29: expected comment 2 of 2"),
-        (
-            smc(pulse(400)).replace(b"1.0000E+2", b"1.0000X+2").replace(b"E-1", b"X-1", 1),
-            r"test.smc:\d+: expected a finite",
-        ),
         (smc([1.0]), "at least 2 samples, found 1"),
     ],
 )
@@ -227,12 +201,6 @@ def test_damage_is_named(write, content, message):
 def test_the_integers_know_structures_that_the_name_does_not(write, codes, structural):
     (record,) = read(write(smc(pulse(), codes=codes)))
     assert (record.orientation == "structural") is structural
-
-
-@pytest.mark.parametrize(("flag", "warned"), [(-32768, False), (0, False), (1, True)])
-def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
-    (record,) = read(write(smc(pulse(), codes={18: flag})))
-    assert any("integer 18" in note for note in record.warnings) is warned
 
 
 @pytest.mark.parametrize(
