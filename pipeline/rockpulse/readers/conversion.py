@@ -15,7 +15,7 @@ import numpy as np
 from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.files import FileSet
 from rockpulse.readers import ReadOptions, read_source
-from rockpulse.readers.formats.miniseed import is_miniseed
+from rockpulse.readers.formats.obspy_formats import is_miniseed
 from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_station_files, open_source
 from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed_bytes, orientation_of
 from rockpulse.record.record import Record

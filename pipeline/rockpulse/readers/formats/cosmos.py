@@ -194,9 +194,8 @@ def _unit(series: _Series, where: str) -> str:
 def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
     """Return the stated peak with half a unit of its last digit [m/s2], and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
-    word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
-    own = _UNITS.get(word)
-    if own is None or word == "counts" or not number:
+    own = None if unit.lower() == "counts" else _UNITS.get(kit.spelled_unit(unit))
+    if own is None or not number:
         return (coded, 0.0), []
     value, rounding = (one * own for one in kit.printed_number(number))
     gap = abs(abs(value) - abs(coded))

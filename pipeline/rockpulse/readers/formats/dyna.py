@@ -143,11 +143,9 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
-    """Return the header and warnings; raise an error if the title is missing or an essential key has two values."""
+    """Return the header and warnings; raise an error if an essential key has two values."""
     start = _title(lines)
-    if start is None:
-        expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
-        raise kit.unexpected(f"{name}:1", expected, repr(lines[0][:40]), "is it a DYNA file?")
+    assert start is not None
     keys, end = _keys(lines, start)
     before, unknown = _before(lines[:start])
     header = _Header(name, end)

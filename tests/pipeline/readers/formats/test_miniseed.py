@@ -16,7 +16,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
+from rockpulse.readers.formats.obspy_formats import _held_rate, is_miniseed
 from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, contradicts_channel, obspy_notes
 from rockpulse.readers.source import NoRecord, NotAcceleration
 

@@ -9,7 +9,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.sac import SAC
+from rockpulse.readers.formats.obspy_formats import SAC
 from rockpulse.readers.source import NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
