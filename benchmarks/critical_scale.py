@@ -9,11 +9,11 @@ motions and calls.
 import argparse
 import logging
 import statistics
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from speed import median
 
 from rocking.search.capacity import POINTS, uplift_scale
 from rockpulse.models import (
@@ -35,16 +35,6 @@ DT = 0.01  # s
 FACTOR_MAX = 10.0
 FINER = 16
 REFERENCE = 1e-9  # relative width of the brackets of the reference edges
-
-
-def seconds(runs: int, call: Callable[[], object]) -> float:
-    """Median processor time of a whole call [s]."""
-    times = []
-    for _ in range(runs):
-        start = time.thread_time()
-        call()
-        times.append(time.thread_time() - start)
-    return statistics.median(times)
 
 
 def overturns(blocks: Block, motion: np.ndarray, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
@@ -121,9 +111,7 @@ def main() -> None:
         blocks = Block.from_parameters(drawn.p, drawn.alpha, 0.9)
         motion = synthetic_motion(seed, pga=3.0)
         for name, call in searches(blocks, motion).items():
-            if seed == 0:
-                call()  # compiles
-            times.setdefault(name, []).append(seconds(options.runs, call))
+            times.setdefault(name, []).append(median(options.runs, call))
         found = critical_scale(blocks, motion, DT, threads=1)
         errors.append(edge_error(found, blocks, motion))
         ours, ratio = missed(found, *fine_scan(blocks, motion))

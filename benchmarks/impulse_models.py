@@ -9,14 +9,15 @@ half-waves of seeded synthetic motions, and of random impulses. Blocks and scale
 
 import argparse
 import logging
-import statistics
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from speed import median
 
 from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
@@ -27,16 +28,7 @@ from synthetic import synthetic_motion
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "models"))
 from impulsive_march import march
 
-
-def median(runs: int, call: Callable[[], Any]) -> float:
-    """Median time of a call [s], after one that compiles."""
-    call()
-    times = []
-    for _ in range(runs):
-        began = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - began)
-    return statistics.median(times)
+clocked = partial(median, clock=time.perf_counter)
 
 
 def bodies(count: int, seed: int) -> Block:
@@ -51,12 +43,12 @@ def impulses_of_records(runs: int, seed: int) -> None:
     print(f"one synthetic record of 60 s, {len(waves)} half-waves; one thread; us per lane (ns per impulse and lane)")
     few = bodies(4, seed)
     scale = np.array([0.5, 1.0])
-    plain = median(1, lambda: [march(few.lane(m), waves.centroid, s * waves.impulse) for m in range(4) for s in scale])
+    plain = clocked(1, lambda: [march(few.lane(m), waves.centroid, s * waves.impulse) for m in range(4) for s in scale])
     base = plain / 8
     print(f"  {'plain Python march':34} {1e6 * base:10.1f}  ({1e9 * base / len(waves):9.1f})")
     for lanes in (8, 64, 512, 4096):
         blocks, factors = bodies(lanes // 8, seed), np.linspace(0.3, 1.4, 8)
-        spent = median(
+        spent = clocked(
             runs, lambda b=blocks, f=factors: impulsive_response(b, waves.centroid, waves.impulse, scale=f, threads=1)
         )
         each = spent / lanes
@@ -74,9 +66,9 @@ def impulses_of_records(runs: int, seed: int) -> None:
         ),
     }
     for name, call in models.items():
-        print(f"  {f'{name}, 512 lanes':34} {1e6 * median(runs, call) / 512:10.2f}")
+        print(f"  {f'{name}, 512 lanes':34} {1e6 * clocked(runs, call) / 512:10.2f}")
     for threads in (1, 2):
-        spent = median(
+        spent = clocked(
             runs,
             lambda n=threads: impulsive_response(
                 bodies(512, seed), waves.centroid, waves.impulse, scale=factors, threads=n
@@ -105,15 +97,15 @@ def sequences(runs: int, seed: int) -> None:
                 )
                 sequence_response(blocks.lane(m), single, table_rows=0)
 
-    base = median(1, one_by_one) / 100
+    base = clocked(1, one_by_one) / 100
     print("\nsequence model, 200 combinations of (I, I_s/I, dT, main count) x 100 blocks; us per lane")
     print(f"  {'one call a lane':34} {1e6 * base:10.2f}")
     for threads in (1, 2):
-        each = median(runs, lambda n=threads: sequence_response(blocks, many, table_rows=0, threads=n)) / (100 * count)
+        each = clocked(runs, lambda n=threads: sequence_response(blocks, many, table_rows=0, threads=n)) / (100 * count)
         print(f"  {f'one call, {threads} thread(s)':34} {1e6 * each:10.2f}  {base / each:8.0f} x")
     scene = ImpulseSequence(0.3, 0.12, 0.25, 15.0, main_count=6)
-    base = median(runs, lambda: [sequence_critical_scale(blocks.lane(m), scene, 10.0, 1.02) for m in range(100)])
-    spent = median(runs, lambda: sequence_critical_scale(blocks, scene, 10.0, 1.02, threads=1))
+    base = clocked(runs, lambda: [sequence_critical_scale(blocks.lane(m), scene, 10.0, 1.02) for m in range(100)])
+    spent = clocked(runs, lambda: sequence_critical_scale(blocks, scene, 10.0, 1.02, threads=1))
     print("\nsafety factors of 100 blocks, steps of 2 %; ms")
     print(f"  {'a search for each block':34} {1e3 * base:10.1f}")
     print(f"  {'all blocks in one search':34} {1e3 * spent:10.1f}  {base / spent:8.1f} x")

@@ -30,13 +30,11 @@ from synthetic import synthetic_lanes, synthetic_motion
 TOP = Path(__file__).parents[1]
 PERTURBATION = ONE / 10**13
 DIGITS = 24
-
 MOTIONS = 20
 MOTION_PGA = 3.0  # of the synthetic motions [m/s2]
 LANES_SEED = 2026
 LINEAR_LANES, NONLINEAR_LANES = 400, 320
 AT_REST_LANES = 4  # lanes that never lift off are of little use
-
 SAMPLE_FILES = ("CICCC.RAW", "CICLC.v1", "CITOW2.RAW")
 MORE_BODIES = {  # width and height [m]
     "figurine": (0.06, 0.24),

@@ -12,38 +12,26 @@ The reference has other random numbers and no isotonic fit of P. P at one scale 
 crossings by 0.7 on both sides, with the uncertainty of the scale factor as a normal kernel; 512 marches from uplift to
 3 above the capacity in ln f show where they are and complete the mean.
 
-``--seeds 8`` measures the standard error from shifted lattices for several numbers of marches. ``--wall`` draws bodies
-in contact with a wall, with Sorrentino's rebound. ``--rotation`` compares the limit states of rotation of the spectrum.
-``--cost`` times bodies and spectrum in one run.
+``--wall`` draws bodies in contact with a wall, with Sorrentino's rebound.
 """
 
 import argparse
 import logging
 import math
-import statistics
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
-from unittest import mock
+from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 from scipy.stats import norm, qmc
 
-import rockpulse as rp
 from laboratory.ensemble import StrongMotion, add_record_arguments, read_strong
 from rocking import Block, OverturningSpectrum, Uncertainty, overturning_probability, recorded_response, spectrum_lanes
-from rocking.body.limits import RATES, sorrentino
+from rocking.body.limits import sorrentino
 from rocking.march.demand import ground_demand, within_measured_range
 from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale
-from rocking.spectrum import body_lanes, body_probability, slender_lanes
-from rocking.spectrum.half_waves import half_wave_lanes
 from rocking.spectrum.probability import MOST_RESTITUTION, factor_at, rising
 from rocking.spectrum.sharing import FEWEST_SHARING, SHARED_INTERPOLATION, shared_groups
 from rockpulse.assessment.probability import SHARED_DENSITY
-from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 
 UNCERTAINTY = Uncertainty()
 #: Draws of one body for P, marches for the crossings, and marches that show where these are.
@@ -54,8 +42,6 @@ REACH, ABOVE, EDGE = 0.7, 3.0, 0.3
 STEP = 0.02
 #: Standard deviation in ln f of the scale factor at which P is compared, about the median one.
 NEAR = 0.25
-#: Numbers of marches in the second stage that are compared: in the limit of slender blocks, and nonlinear.
-SECONDS = {True: (400, 800, 1600, 3200), False: (192, 384, 768, 1536)}
 KINDS = ("own, slender limit", "own, nonlinear", "spectrum of the record", "shared spectrum")
 QUANTITIES = ("factor_10", "factor_50", "factor_mean")
 
@@ -76,10 +62,8 @@ def drawn_body(random: np.random.Generator, wall: bool = False) -> Block:
     )
 
 
-def overturned(
-    motion: StrongMotion, body: Block, log_factor: np.ndarray, ranks: np.ndarray, rotation: float = np.inf
-) -> np.ndarray:
-    """Whether marches (n,) of a body with the quantiles (n, 2) of C and alpha overturn, or reach a rotation."""
+def overturned(motion: StrongMotion, body: Block, log_factor: np.ndarray, ranks: np.ndarray) -> np.ndarray:
+    """Whether marches (n,) of a body with the quantiles (n, 2) of C and alpha overturn."""
     least, most = UNCERTAINTY.restitution
     restitution = np.minimum(body.restitution * (least + (most - least) * ranks[:, 0]), MOST_RESTITUTION)
     alpha = body.alpha_c * np.exp(-UNCERTAINTY.geometry * norm.ppf(0.5 + 0.5 * ranks[:, 1]))
@@ -89,26 +73,22 @@ def overturned(
     lanes = lanes.mirrored() if body.side < 0 else lanes
     record = motion.record
     verdict = None
-    if np.isinf(rotation) and np.all(within_measured_range(lanes, record.dt)):
+    if np.all(within_measured_range(lanes, record.dt)):
         verdict = ground_demand(lanes, record.acceleration, record.dt)  # ends a march whose outcome is certain
     found = recorded_response(
         lanes, record.acceleration, record.dt, block_scale=np.exp(log_factor), verdict=verdict, threads=1
     )
-    if verdict is not None:
-        return (found.outcome == Outcome.OVERTURNS) | (found.outcome == Outcome.UNRESOLVED)
-    return np.where(np.isnan(found.peak_rotation_ratio), np.inf, found.peak_rotation_ratio) >= rotation
+    return (found.outcome == Outcome.OVERTURNS) | (found.outcome == Outcome.UNRESOLVED)
 
 
 class Curve:
     """P from marches with ln f evenly from `bottom` to `top`, at levels that lie inside by `EDGE`."""
 
-    def __init__(
-        self, motion: StrongMotion, body: Block, ends: tuple[float, float], count: int, seed: int, rotation: float
-    ) -> None:
+    def __init__(self, motion: StrongMotion, body: Block, ends: tuple[float, float], count: int, seed: int) -> None:
         self.bottom, self.top = ends
         draws = qmc.Sobol(3, seed=seed).random(count)
         self.log_factor = self.bottom + (self.top - self.bottom) * draws[:, 2]
-        self.over = overturned(motion, body, self.log_factor, draws, rotation)
+        self.over = overturned(motion, body, self.log_factor, draws)
         self.level = np.arange(self.bottom + EDGE, self.top - EDGE, STEP)
         bells = norm.pdf((self.log_factor - self.level[:, np.newaxis]) / UNCERTAINTY.factor)
         self.probability = bells @ self.over / np.maximum(bells.sum(axis=1), 1e-300)
@@ -125,17 +105,17 @@ class Curve:
 
 
 def reference(
-    motion: StrongMotion, body: Block, centre: float, seed: int, rotation: float = np.inf
+    motion: StrongMotion, body: Block, centre: float, seed: int
 ) -> tuple[dict[str, float], Callable[[float], float]]:
     """Scale factors of one body by the nonlinear equation, and P at any scale factor by 4096 plain draws."""
     bottom = float(np.log(uplift_scale(body.lanes(1), motion.record.acceleration)[0])) - 0.2
     ends = min(bottom - EDGE, centre - 1.0), max(centre, bottom) + ABOVE
-    wide = Curve(motion, body, ends, WIDE, seed, rotation)
+    wide = Curve(motion, body, ends, WIDE, seed)
     near = max(wide.log_factor_at(0.1) - REACH, ends[0]), min(wide.log_factor_at(0.5) + REACH, ends[1])
-    own = Curve(motion, body, near, CURVE, seed + 1, rotation)
+    own = Curve(motion, body, near, CURVE, seed + 1)
     if math.isinf(own.log_factor_at(0.5)):  # a plateau near 0.5 beyond the crossing of few marches
         near = ends
-        own = Curve(motion, body, near, DRAWS, seed + 1, rotation)
+        own = Curve(motion, body, near, DRAWS, seed + 1)
     found = {f"factor_{share}": math.exp(own.log_factor_at(share / 100)) for share in (10, 50)}
     length = wide.safe(ends[0], near[0]) + own.safe(*near) + wide.safe(near[1], ends[1])
     found["factor_mean"] = math.exp(ends[0] + length)
@@ -143,7 +123,7 @@ def reference(
 
     def plain(log_factor: float) -> float:
         draws = log_factor + UNCERTAINTY.factor * random.standard_normal(DRAWS)
-        return float(np.mean(overturned(motion, body, draws, random.random((DRAWS, 2)), rotation)))
+        return float(np.mean(overturned(motion, body, draws, random.random((DRAWS, 2)))))
 
     return found, plain
 
@@ -220,143 +200,16 @@ def _print(name: str, table: np.ndarray) -> None:
         )
 
 
-@contextmanager
-def marches(second: int, shift: float) -> Iterator[None]:
-    """Compute bodies with `second` marches in the second stage, on a lattice shifted by `shift` (0 to 1)."""
-
-    def ranks(count: int, start: float) -> np.ndarray:
-        return np.asarray((np.arange(count) * slender_lanes._GOLDEN + start + shift) % 1.0)
-
-    lanes = partial(slender_lanes.body_piece_lanes, second=second)
-    with (
-        mock.patch.object(slender_lanes, "_ranks", ranks),
-        mock.patch.object(body_probability, "body_piece_lanes", lanes),
-        mock.patch.object(body_lanes, "SECOND", second),
-    ):
-        yield
-
-
-def standard_error(motions: list[StrongMotion], pairs: int, seeds: int) -> None:
-    """Print the standard deviation over shifted lattices of P and of ln scale factors, by the number of marches."""
-    for slender, seconds in SECONDS.items():
-        how = {"factor_max": 1e3, "slender_limit": slender, "threads": 1}
-        for second in seconds:
-            spreads, spent = [], 0.0
-            for pair in range(pairs):
-                motion, random = motions[pair % len(motions)], np.random.default_rng([17, pair])
-                body, record = drawn_body(random).lanes(1), motion.record
-                start, found = time.process_time(), []
-                for seed in range(seeds):
-                    with marches(second, seed / seeds):
-                        args = body, record.acceleration, record.dt, UNCERTAINTY
-                        found.append(overturning_probability(*args, **how, seed=seed))
-                spent += time.process_time() - start
-                at = [[np.median([one.factor_50[0] for one in found]) * math.exp(NEAR * random.standard_normal())]]
-                shares = np.array([one.overturning(at)[0, 0] for one in found])
-                factors = np.log([[one.factor_10[0], one.factor_50[0], one.factor_mean[0]] for one in found])
-                spreads.append([np.std(shares, ddof=1), np.mean(shares), *np.std(factors, axis=0, ddof=1)])
-            table = np.array(spreads)
-            open_ = (table[:, 1] > 0.02) & (table[:, 1] < 0.98)
-            rms = np.sqrt(np.mean(table[open_, 0] ** 2))
-            factors = ", ".join(
-                f"{name} {np.median(column):.4f} ({np.quantile(column, 0.9):.4f}, {np.mean(column <= 0.015):.0%})"
-                for name, column in zip(QUANTITIES, table[:, 2:].T, strict=True)
-            )
-            print(
-                f"{'slender limit' if slender else 'nonlinear'}, {second} marches: P {rms:.4f} (90 % of {open_.sum()} "
-                f"pairs below {np.quantile(table[open_, 0], 0.9):.4f}); ln of {factors}; "
-                f"{1e3 * spent / pairs / seeds:.0f} ms"
-            )
-
-
-def rotation_error(motions: list[StrongMotion], pairs: int) -> None:
-    """Print bias and dispersion of the mean factors at which bodies reach rotations, read from S of each of them."""
-    tables = []
-    for one in motions:
-        spectrum = OverturningSpectrum(spectrum_lanes(one.record.acceleration, one.record.dt), UNCERTAINTY)
-        tables.append([np.log(spectrum.spectrum(RESTITUTIONS, rotation)) for rotation in ROTATIONS])
-    logs = np.empty((pairs, ROTATIONS.size))
-    for pair in range(pairs):
-        motion, body = motions[pair % len(motions)], drawn_body(np.random.default_rng([17, pair]))
-        speed = math.log(body.gravity * math.tan(body.alpha_c) / body.p)
-        for place, rotation in enumerate(ROTATIONS):
-            table = RegularGridInterpolator((np.log(RATES), RESTITUTIONS), tables[pair % len(motions)][place])
-            read = speed - table([[math.log(body.p), body.restitution]])[0]
-            logs[pair, place] = read - math.log(reference(motion, body, read, pair, rotation)[0]["factor_mean"])
-    for rotation, values in zip(ROTATIONS, logs.T, strict=True):
-        print(f"rotation {rotation:g}: median {np.exp(np.median(values)):.3f} dispersion {np.std(values):.3f}")
-
-
-def drawn_bodies(count: int) -> Block:
-    """Several bodies of :func:`drawn_body` as one block."""
-    bodies = [drawn_body(np.random.default_rng([17, one])) for one in range(count)]
-    p, alpha, restitution = np.array([[one.p, one.alpha_c, one.restitution] for one in bodies], dtype=float).T
-    return Block.from_parameters(p=p, alpha=alpha, restitution=restitution, log=False)
-
-
-def cost(motion: StrongMotion, runs: int) -> None:
-    """Print the time of bodies by their own marches and by a spectrum, of its parts, and of the rule's march."""
-    record = motion.record
-    acceleration, dt = record.acceleration[: round(60.0 / record.dt)], record.dt
-
-    def median(call: Callable[[], object]) -> float:
-        call()
-        times = []
-        for _ in range(runs):
-            start = time.thread_time()
-            call()
-            times.append(time.thread_time() - start)
-        return statistics.median(times)
-
-    lanes = spectrum_lanes(acceleration, dt, threads=1)
-    marched = median(lambda: spectrum_lanes(acceleration, dt, threads=1))
-    summed = median(lambda: OverturningSpectrum(lanes))
-    waves = rp.half_waves(record)
-    parts = waves.start, waves.centroid, waves.end, waves.impulse
-    by_rule = median(lambda: half_wave_lanes(*parts, threads=1))
-    count = lanes.log_x.size
-    print(
-        f"{record.id}, {acceleration.size} samples of {dt:g} s: spectrum {marched:.2f} s and sums {summed:.2f} s, "
-        f"{count} lanes, {marched / count * 1e6:.0f} us a lane; through {len(waves)} half-waves {by_rule:.2f} s"
-    )
-
-    def own_time(block: Block, slender: bool) -> float:
-        return median(lambda: overturning_probability(block, acceleration, dt, slender_limit=slender, threads=1))
-
-    def spectrum_time(block: Block) -> float:
-        return median(lambda: OverturningSpectrum(spectrum_lanes(acceleration, dt, threads=1)).factors(block))
-
-    for bodies in (1, 4, 12, 100):
-        block = drawn_bodies(bodies)
-        own, nonlinear, whole = own_time(block, True), own_time(block, False), spectrum_time(block)
-        print(
-            f"{bodies} bodies: own {own:.2f} s ({1e3 * own / bodies:.0f} ms a body), {own / whole:.2f} times the "
-            f"spectrum ({whole:.2f} s); own by the nonlinear equation {nonlinear:.2f} s "
-            f"({1e3 * nonlinear / bodies:.0f} ms a body)"
-        )
-
-
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     add_record_arguments(parser)
     parser.add_argument("--pairs", type=int, default=500, help="pairs of record and body")
-    parser.add_argument("--seeds", type=int, help="number of shifted lattices: computes the standard error instead")
-    parser.add_argument("--cost", action="store_true", help="time it instead")
-    parser.add_argument("--rotation", action="store_true", help="the limit states of rotation instead")
     parser.add_argument("--wall", action="store_true", help="bodies before a wall")
-    parser.add_argument("--runs", type=int, default=5, help="calls of which the median is taken")
     args = parser.parse_args()
     logging.disable(logging.CRITICAL)
-    motions, _ = read_strong(args)
-    if args.cost:
-        cost(motions[0], args.runs)
-    elif args.rotation:
-        rotation_error(motions, args.pairs)
-    elif args.seeds:
-        standard_error(motions, args.pairs, args.seeds)
-    else:
-        error(motions, args.pairs, args.wall)
+    motions = read_strong(args)
+    error(motions, args.pairs, args.wall)
 
 
 if __name__ == "__main__":

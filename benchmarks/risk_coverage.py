@@ -15,7 +15,6 @@ from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate
 
 LEVELS = np.array([0.4, 0.6, 0.8, 1.1, 1.5, 2.2])
 FAMILY = FAMILIES["lognormal"]
-
 #: Earthquakes, slope of the hazard, and scatter of ln capacity between and within earthquakes.
 SETTINGS = ((14, 2.5, 0.25, 0.35), (14, 3.0, 0.4, 0.4), (22, 2.5, 0.25, 0.35), (8, 2.5, 0.25, 0.35))
 

@@ -21,7 +21,6 @@ from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, Case
 
 PULSE, TWO, MANY = "-4", "4 -6", "2 -3 4 -5 6 -4 3 -5 4 -2"
 STRONG = "3 -5 7 -6 8 -7 5 -4 6 -3 2 -1"
-
 #: Cases by name; what is not named is as in DEFAULT. The near-critical ones get their factor by bisection.
 DEFAULT = {"kind": "plain", "equation": "nonlinear", "width": 0.5, "height": 2.0, "restitution": 0.9, "dt": 1 / 64}
 DEFAULT |= {"samples": 32, "ground": TWO, "quiet": 1, "vertical": "", "scale": 1.0, "wall": 0, "floor": 0.0}
@@ -76,7 +75,6 @@ CASES: dict[str, dict[str, Any]] = {
     "vertical, ten pulses": {"kind": "vertical", "ground": MANY, "vertical": "2 -3 4 -4 3 -2 2 -3 2 -1", "samples": 16},
     "on a floor": {"kind": "floor", "ground": "1.5 -2 1.5", "floor": 0.5, "samples": 16},
 }
-
 DAMPING = 0.05
 
 

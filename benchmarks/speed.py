@@ -167,10 +167,9 @@ calls = {
     "recorded": lambda: [models.recorded_response(block, motion, 0.01, e) for e in ("linear", "nonlinear")],
     "impulsive": lambda: models.impulsive_response(block, [0.0, 0.5], [0.3, -0.3]),
     "sequence": lambda: models.sequence_response(block, models.ImpulseSequence(0.3, 0.1, 0.2, 10.0)),
-    "resonance": lambda: [models.resonance(block, 0.3, 10), models.resonance_safety(block, 0.3, 10)],
+    "resonance": lambda: models.resonance(block, 0.3, 10),
 }
-for name in ("recorded_response", "impulsive_response", "sequence_response", "resonance",
-             "resonance_safety"):
+for name in ("recorded_response", "impulsive_response", "sequence_response", "resonance"):
     getattr(models, name)  # imports numba and the kernels' modules: no part of compiling them
 for name, call in calls.items():
     start = clock(); call(); print(name, clock() - start)
@@ -249,19 +248,12 @@ SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
 }
 
 
-def positive(text: str) -> int:
-    """A whole number of at least one."""
-    if int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected at least 1, got {text}")
-    return int(text)
-
-
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=positive, default=21, help="calls of which the median is taken")
+    parser.add_argument("--runs", type=int, default=21, help="calls of which the median is taken")
     parser.add_argument(
-        "--lanes", type=positive, default=24, help="blocks on each of two motions for solve_ivp, at three factors"
+        "--lanes", type=int, default=24, help="blocks on each of two motions for solve_ivp, at three factors"
     )
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS))
     args = parser.parse_args()

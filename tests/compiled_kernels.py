@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, resonance_safety, sequence_response
+from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, resonance, sequence_response
 from rocking.body.restraint import Tie
 from rocking.kernel_cache import folder
 
@@ -23,7 +23,7 @@ def calls() -> list[Callable[[], object]]:
     return [
         lambda: recorded_response(tied, motion, 0.01),
         lambda: recorded_response(plain, motion, 0.01),
-        lambda: resonance_safety(plain, 0.1, 10),
+        lambda: resonance(plain, 0.1, 10),
         lambda: recorded_response(corners, motion, 0.01),
         lambda: impulsive_response(plain, times, impulses, 1.0, history_dt=0.1),
         lambda: (impulsive_response(plain, times, impulses), sequence_response(plain, sequence)),

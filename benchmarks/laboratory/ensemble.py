@@ -26,31 +26,23 @@ from rockpulse.selection.duplicate_selection import unmatched_patterns, without_
 from rockpulse.selection.events import group_events
 from rockpulse.selection.tables import read_event_table
 
-__all__ = ["PROCESSING", "StrongMotion", "add_record_arguments", "blocks", "read_strong", "strong_motions"]
-
 #: Bodies of the ensemble: every slenderness with every radius [m], Housner's restitution.
 SLENDERNESS = (4.0, 6.0, 8.0, 12.0)
 RADII = (1.0, 2.0, 4.0)
-
 #: Weaker channels are left out [m/s2].
 STRONG = 0.15 * STANDARD_GRAVITY
-
 #: Corners of the band-pass [Hz] and the order of one pass.
 BAND, ORDER = (0.1, 25.0), 2
-
 #: The stretch that is judged: before the peak, in all, and the zeros after it [s].
 BEFORE, LENGTH, QUIET = 25.0, 60.0, 8.0
-
 #: The protocol in words, for the provenance of a fitted rule.
 PROCESSING = (
     "mean removed, no taper, pads of zeros, Butterworth order 2, 0.1-25 Hz, zero phase; 60 s from 25 s before the "
     "peak, then 8 s of zeros; PGA and PGV of that stretch"
 )
-
 #: Two channels show one shaking where their waveforms about the peak correlate by this much [-]: the same record by way
 #: of two agencies, with its samples rounded, resampled or turned round. Different ones of the sets at hand: below 0.52.
 SAME_WAVEFORM = 0.95
-
 #: The stretch that is compared, from the peak [s], and the interval [s].
 COMPARED, COMPARED_DT = (-5.0, 15.0), 0.01
 
@@ -148,9 +140,11 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--events", help="CSV table (record, event) for channels whose files name no earthquake")
 
 
-def read_strong(args: argparse.Namespace, least: float = STRONG) -> tuple[list[StrongMotion], list[Failure]]:
-    """The strong motions that the arguments of :func:`add_record_arguments` name, and what was left out."""
+def read_strong(args: argparse.Namespace, least: float = STRONG) -> list[StrongMotion]:
+    """The strong motions that the arguments of :func:`add_record_arguments` name; what is left out is printed."""
     records, failures = read_all(args.paths, args.units)
     titles = read_event_table(Path(args.events)) if args.events else None
     motions, left_out = strong_motions(records, args.confirm, failures, titles, least)
-    return motions, [*failures, *left_out]
+    for row in (*failures, *left_out):
+        print(f"not used ({row.kind}): {row.reason}")
+    return motions

@@ -49,7 +49,6 @@ from rockpulse.views.plots.style import (
 
 #: Factors on each record at which cases are counted [-].
 LEVELS = (0.5, 1.0, 2.0)
-
 #: Checks by the columns that hold the largest factor they allow, and what they are called.
 ALLOWED = {
     "linear": "the linear check of Circolare 617/2009 and 7/2019",
@@ -59,26 +58,20 @@ ALLOWED = {
     "free": "the linear check of Circolare 7/2019 of elements free to vibrate",
     "free_displacement": "the displacement check of Circolare 7/2019 (SLV) of elements free to vibrate",
 }
-
 #: Half of Young's modulus of a brick masonry (1500 MPa, for cracking) [Pa], and its density [kg/m3].
 MODULUS, DENSITY = 0.75e9, 1800.0
-
 #: Periods at which the displacement spectrum of a record is looked at [s].
 PERIODS = np.geomspace(0.05, 8.0, 120)
-
 #: Fewest earthquakes of an interval, its confidence, and the draws.
 FEWEST, CONFIDENCE, RESAMPLES = 4, 0.9, 1000
-
 #: The checks that are drawn, each on a panel, and what they are called.
 PANELS = {
     "linear": "linear,\n617/2009 and 7/2019",
     "nonlinear": "nonlinear,\n617/2009",
     "displacement": "displacement,\n7/2019 (SLV)",
 }
-
 #: Ratios outside these are drawn at them [-].
 ENDS = (0.4, 20.0)
-
 #: Width over which the points of one body are spread, of the distance of two bodies.
 SPREAD = 0.6
 
@@ -295,9 +288,7 @@ def main() -> None:
     args = parser.parse_args()
     logging.disable(logging.WARNING)
     settings = CheckSettings(q=args.q, confidence_factor=args.confidence_factor)
-    motions, left_out = read_strong(args)
-    for row in left_out:
-        print(f"not used ({row.kind}): {row.reason}")
+    motions = read_strong(args)
     if not motions:
         parser.exit(1, "no strong channel among the records\n")
     spectra = [(motion, spectrum_at_bodies(motion)) for motion in motions]

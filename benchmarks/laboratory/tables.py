@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-__all__ = ["plain", "write_tables"]
-
 
 def plain(frame: pd.DataFrame, formats: Mapping[str, Callable[[Any], str]] | None = None) -> str:
     """The columns of a table that have a format (all without), each value in its format and a missing one as "-"."""

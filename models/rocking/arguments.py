@@ -11,8 +11,10 @@ Integers: TypeAlias = int | NDArray[np.integer[Any]]
 Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
-def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """Return finite numbers as an array; raise ValueError for other values, and for arrays if `lanes` is False."""
+def numbers(
+    name: str, value: ArrayLike, expected: str, lanes: bool = True, within: tuple[float, float] | None = None
+) -> np.ndarray:
+    """Return finite numbers `within` limits; raise ValueError for other values, and for arrays if `lanes` is False."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -22,6 +24,8 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
         raise ValueError(f"{name}: expected {expected}, {shape}, got shape {array.shape}")
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{name}: expected {expected}, finite, got {value!r}")
+    if within and not np.all((array >= within[0]) & (array <= within[1])):
+        raise ValueError(f"{name}: expected {expected}, got {value!r}")
     return array
 
 

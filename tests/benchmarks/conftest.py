@@ -39,11 +39,6 @@ def make_reference(precise):
 
 
 @pytest.fixture(scope="session")
-def parse():
-    return load("parse", "parse")
-
-
-@pytest.fixture(scope="session")
 def batch():
     return load("batch", "batch_benchmark")
 

@@ -9,18 +9,25 @@ import math
 from rocking.body.block import Block
 from rocking.response import Outcome
 
-GAINS = {"paper": math.cos, "linear": lambda alpha: 1.0, "tangent": lambda alpha: alpha / math.tan(alpha)}
+#: Gain of an impulse at x, divided by p/(g alpha_c).
+GAINS = {
+    "paper": lambda alpha, x: math.cos(alpha),
+    "linear": lambda alpha, x: 1.0,
+    "tangent": lambda alpha, x: alpha / math.tan(alpha),
+    "exact": lambda alpha, x: math.cos(alpha * (1.0 - x)),
+}
 #: Hops slower than this are not followed: they rise by less than 1e-14 of alpha_c.
 SLOWEST = 1e-7
 
 
 def march(block: Block, times, impulses, gain: str = "paper", cutoff: float = 1e-3) -> tuple[float, Outcome, int]:
     """Peak over alpha_c, outcome and impacts above the cut-off."""
-    factor = GAINS[gain](block.alpha_c) * block.p / (block.gravity * block.alpha_c)
+    factor = block.p / (block.gravity * block.alpha_c)
+    largest = factor * (1.0 if gain == "exact" else GAINS[gain](block.alpha_c, 0.0))
     x = u = peak = 0.0
     side, impacts, outcome = 0.0, 0, Outcome.AT_REST
     for number, (time, impulse) in enumerate(zip(times, impulses, strict=True)):
-        push = -factor * impulse
+        push = -factor * GAINS[gain](block.alpha_c, x) * impulse
         if push != 0.0:
             outcome = Outcome.ROCKS
             if side == 0.0:
@@ -33,7 +40,7 @@ def march(block: Block, times, impulses, gain: str = "paper", cutoff: float = 1e
             if y > 0.0 or (wait == math.inf and y >= -1e-13):
                 now = time + waited / block.p
                 later = zip(times[number + 1 :], impulses[number + 1 :], strict=True)
-                if wait == math.inf or y > sum(factor * abs(i) * math.exp(block.p * (now - t)) for t, i in later):
+                if wait == math.inf or y > sum(largest * abs(i) * math.exp(block.p * (now - t)) for t, i in later):
                     return math.inf, Outcome.OVERTURNS, impacts
             left = wait - waited
             speed = math.sqrt(max(x * (2.0 - x) + u * u, 0.0))  # 1 - y z without cancellation

@@ -117,13 +117,8 @@ def replaced_by_link(path, target):
 #: Damage to a file that is replaced by a good one; the second answer is whether a line says so.
 HEALED = {
     "empty": (lambda path, _: path.write_bytes(b""), True),
-    "cut in half": (lambda path, _: os.truncate(path, path.stat().st_size // 2), True),
     "cut in the checksum": (lambda path, _: os.truncate(path, CHECKSUM - 1), True),
-    "a byte short": (lambda path, _: os.truncate(path, path.stat().st_size - 1), True),
-    "longer": (lambda path, _: path.write_bytes(path.read_bytes() + b"."), True),
     "a bit of the code": (lambda path, _: changed(path, -4000), True),
-    "a bit of the checksum": (lambda path, _: changed(path, 3), True),
-    "a text": (lambda path, _: path.write_text("no kernel"), True),
     "another kernel": (lambda path, _: other_kernel(path), True),
     "no pickle": (lambda path, _: path.write_bytes(signed(b"no pickle")), True),
     "another content": (lambda path, _: path.write_bytes(signed(b"N.")), True),

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from recorded_cases import EQUATIONS, G, block_b, synthetic
 
 from rocking import Block, Outcome, recorded_response
@@ -17,19 +15,6 @@ def test_mirrored_record_gives_the_mirrored_motion(equation, seed):
     other = recorded_response(block, -record, 0.01, equation, history=True)
     assert np.array_equal(one.rotation, -other.rotation, equal_nan=True)
     assert (one.peak_rotation_ratio, one.impacts) == (other.peak_rotation_ratio, other.impacts)
-
-
-@pytest.mark.parametrize("equation", EQUATIONS)
-@pytest.mark.parametrize("peak", [2.0, 4.0])
-def test_waiting_before_the_record_only_shifts_the_motion(equation, peak):
-    block, record = block_b(), synthetic(3, peak=peak)
-    one = recorded_response(block, record, 0.01, equation, history=True)
-    late = recorded_response(block, np.concatenate([np.zeros(77), record]), 0.01, equation, history=True)
-    # The one sample before the record is a ramp from zero instead of a jump; it stays below the threshold.
-    assert abs(record[0]) < 0.1
-    assert np.array_equal(one.rotation, late.rotation[77:], equal_nan=True)
-    assert late.peak_rotation_ratio == one.peak_rotation_ratio
-    assert late.overturning_time == pytest.approx(one.overturning_time + 0.77, rel=1e-12, nan_ok=True)
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
@@ -99,62 +84,3 @@ def test_constant_vertical_acceleration_is_another_gravity(lift):  # VALIDATION 
     part = slice(0, 700)
     assert np.nanmax(np.abs(heavier.rotation[part])) > 0.01
     assert lifted.rotation[part] == pytest.approx(heavier.rotation[part], abs=1e-10, nan_ok=True)
-
-
-@pytest.mark.sweep
-@settings(derandomize=True, deadline=None, max_examples=40)
-@given(
-    share=st.floats(0.01, 0.98),
-    speed=st.floats(-0.6, 0.6),
-    restitution=st.floats(0.3, 1.0),
-    slenderness=st.floats(1.5, 9.0),
-    equation=st.sampled_from(EQUATIONS),
-)
-def test_energy_is_kept_between_impacts_and_never_grows(share, speed, restitution, slenderness, equation):
-    block = Block(half_width=0.4, half_height=0.4 * slenderness, restitution=restitution, gravity=G)
-    start = {"initial_rotation": share * block.alpha_c, "initial_velocity": speed * block.p * block.alpha_c}
-    free = recorded_response(block, np.zeros(600), 0.01, equation, history=True, **start)
-    moving = np.isfinite(free.rotation) & (free.rotation != 0.0)
-    phi, spin = np.abs(free.rotation[moving]) / block.alpha_c, free.velocity[moving] / (block.p * block.alpha_c)
-    if equation == "linear":
-        energy = 0.5 * spin**2 - 0.5 * (1.0 - phi) ** 2
-    else:
-        angle = block.alpha_c * (1.0 - phi)
-        energy = 0.5 * spin**2 - 2.0 * np.sin(0.5 * angle) ** 2 / block.alpha_c**2
-    assert np.all(np.diff(energy) <= 1e-12 * (1.0 + np.abs(energy[:-1])))
-    side = np.sign(free.rotation[moving])
-    together = side[1:] == side[:-1]
-    steps = np.diff(energy)[together]
-    # Two impacts may fall between two samples and keep the side; then energy falls by a finite share.
-    kept = np.abs(steps) <= 1e-12 * (1.0 + np.abs(energy[:-1][together]))
-    assert kept.sum() >= min(10, together.sum() // 3)
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.6, 0.9])
-def test_narrow_pulse_tends_to_the_impulse_of_the_linear_gain(ratio):  # VALIDATION F9
-    block = block_b()
-    impulse = ratio * G * block.alpha_c / block.p  # gain p^2/g
-    exact = 1.0 - np.sqrt(1.0 - ratio**2)
-    errors = []
-    for width in (4e-3, 2e-3, 1e-3):
-        triangle = np.array([0.0, impulse / width, 0.0])
-        response = recorded_response(block, triangle, width, "linear")
-        errors.append(abs(response.peak_rotation_ratio - exact))
-    assert errors[2] < 0.02 * exact
-    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)  # first order in the width
-    assert errors[1] / errors[2] == pytest.approx(2.0, rel=0.1)
-
-
-def test_smooth_motion_converges_with_the_square_of_the_sampling():  # VALIDATION V22
-    block = block_b()
-    duration = 1.0
-
-    def peak(n):
-        t = np.linspace(0.0, duration, n + 1)
-        return recorded_response(block, 2.2 * np.sin(2 * np.pi * t), t[1], "nonlinear").peak_rotation_ratio
-
-    fine = peak(3200)
-    errors = [abs(peak(n) - fine) for n in (50, 100, 200)]
-    assert errors[0] > 1e-6
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
-    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)

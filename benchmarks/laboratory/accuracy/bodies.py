@@ -5,31 +5,24 @@
    independent solver with which the kernels are tested is too slow for a report; it is in the tests.
 """
 
-import time
-
 import numpy as np
 import pandas as pd
 
+from laboratory.accuracy.statistics import active_samples, timed
 from rocking.body.block import Block
 from rocking.body.restraint import Load, Tie
 from rocking.march.recorded import recorded_response
 from rocking.response import Response
 from synthetic import synthetic_motion
 
-__all__ = ["PLAIN", "bodies_table", "kinds"]
-
 PLAIN = "free, symmetric"
-
 #: Heights of the bodies [m], their slenderness, and factors on the motions.
 HEIGHTS = np.linspace(2.0, 6.0, 16)
 SLENDERNESS = 6.0
 SCALES = (0.7, 1.0, 1.4)
-
 #: Parts into which the judge divides every sample.
 DIVISION = 4
-
 DT = 0.01
-
 #: The record with a change of 1e-13: what that moves no solver can tell better.
 CHANGE = 1.0 + 1e-13
 
@@ -112,10 +105,7 @@ def _divided(record: np.ndarray) -> np.ndarray:
 
 def _timed(block: Block, records: list[np.ndarray], repeats: int) -> tuple[list[Response], float]:
     """The answers of one kind under all motions, and the cost of an active sample [ns]."""
-    seconds, found = [], []
-    for _ in range(repeats + 1):
-        start = time.perf_counter()
-        found = [recorded_response(block, record, DT, scale=SCALES, threads=1) for record in records]
-        seconds.append(time.perf_counter() - start)
-    active = sum(int(np.sum(np.asarray(one.active_samples))) for one in found)
-    return found, 1e9 * float(np.median(seconds[1:])) / max(active, 1)
+    found, seconds = timed(
+        lambda: [recorded_response(block, record, DT, scale=SCALES, threads=1) for record in records], repeats
+    )
+    return found, 1e9 * seconds / max(active_samples(found), 1)

@@ -5,31 +5,25 @@
    reference is the same kernel with steps of 0.01, whose own error is rounding.
 """
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
-from laboratory.accuracy.statistics import observed_order
+from laboratory.accuracy.statistics import active_samples, observed_order, timed
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Response
 from synthetic import synthetic_motion
 
-__all__ = ["DIVISIONS", "convergence"]
-
 #: Steps per sample.
 DIVISIONS = (1, 2, 3, 4, 6)
 JUDGE = 30
-
 #: Sampling interval [s] and p dt of the undivided sample; a hair below 0.3, so that rounding adds no step.
 INTERVAL, LONGEST = 0.1, 0.3 * (1.0 - 1e-9)
-
 #: Lanes per motion: critical angles [rad] and factors [-]; C = 0.9.
 ANGLES = np.linspace(0.08, 0.3, 12)
 SCALES = np.linspace(0.4, 1.4, 6)
-
 #: Smaller peaks are left out, theta_max/alpha_c [-].
 SMALLEST_PEAK = 0.01
 
@@ -84,12 +78,6 @@ def _peaks(records: list[np.ndarray], division: int, repeats: int) -> tuple[np.n
             for record in records
         ]
 
-    responses = call()
-    seconds = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        responses = call()
-        seconds.append(time.perf_counter() - start)
-    active = sum(int(np.sum(np.asarray(response.active_samples))) for response in responses)
+    responses, seconds = timed(call, repeats)
     peaks = np.concatenate([np.ravel(response.peak_rotation_ratio) for response in responses])
-    return peaks, 1e9 * float(np.median(seconds)) / max(active, 1)
+    return peaks, 1e9 * seconds / max(active_samples(responses), 1)

@@ -10,14 +10,10 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, RED, SKY, SMALL, Look, panel_title, several_axes
 
-__all__ = ["diagram"]
-
 #: Smaller errors are drawn here: no double holds them next to a rotation of alpha_c [-].
 FLOOR = 1e-16
-
 #: Steps with errors within this factor share one text.
 NEIGHBOURS = 2.5
-
 METHODS = {
     ("rockpulse", "lanes"): Look("rockpulse by longest step p dt", BLUE, "-", "o"),
     ("rockpulse", "single"): Look("rockpulse, one call a case", SKY, "-", "s"),

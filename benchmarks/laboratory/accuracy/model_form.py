@@ -24,39 +24,23 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from synthetic import synthetic_motion
 
-__all__ = [
-    "BY_DEMAND",
-    "COMPARED",
-    "DEMANDS",
-    "classifier_table",
-    "model_form_lanes",
-    "model_form_table",
-    "synthetic_records",
-]
-
 #: The model that judges the others, and those that are judged.
 JUDGE = "nonlinear"
 COMPARED = tuple(model for model in ALL_MODELS if model != JUDGE)
-
 #: Factors on each record [-].
 SCALES = (0.5, 0.7, 1.0, 1.4)
-
 #: Smaller peaks of the judge are left out of bias and dispersion, as theta_max/alpha_c [-].
 SMALLEST_PEAK = 0.05
-
 #: Lower edges of the demand levels, as p PGV/(g tan alpha) [-]; the last level has no upper edge.
 LEVELS = (0.0, 0.25, 0.5, 1.0, 2.0)
-
 #: Single numbers that are tried as classifiers of the verdict [-], each from a conditioned record and blocks.
 DEMANDS: dict[str, Callable[[Scene, Block], Any]] = {
     "velocity_ratio": lambda scene, block: block.p * pgv(scene.record) / _capacity(block),
     "uplift_ratio": lambda scene, block: scene.record.pga / _capacity(block),
     "impulse_ratio": lambda scene, block: np.max(np.abs(scene.waves.impulse), initial=0.0) / block.critical_impulse,
 }
-
 #: The demand that the tables are sorted by.
 BY_DEMAND = "velocity_ratio"
-
 #: Shares of missed overturnings at which a classifier's false alarms are given [-].
 MISSED_SHARES = (0.0, 0.05, 0.1)
 

@@ -16,10 +16,7 @@ from rockpulse.errors import RockpulseError
 from rockpulse.record.record import Record
 from synthetic import synthetic_motion
 
-__all__ = ["load_reference", "motion_of", "motion_sha256", "sample_motion"]
-
 TABLE = Path(__file__).with_name("rocking_reference.csv")
-
 COLUMNS = (
     "case",
     "motion",
@@ -42,14 +39,11 @@ COLUMNS = (
     "scaled_outcome",
     "scaled_impacts",
 )
-
 FLOATS = ("dt", "scale", "p", "alpha", "restitution", "gravity", "overturning_time")
 COUNTS = ("impacts", "lowered_impacts", "scaled_impacts")
 PEAKS = ("peak", "lowered_peak", "scaled_peak")
-
 #: Name of a synthetic motion: this and its seed.
 SYNTHETIC = "synthetic-"
-
 #: Decimals of the samples of a conditioned record [m/s2]: the last bits of a mean differ between machines.
 SAMPLE_DECIMALS = 9
 

@@ -10,31 +10,37 @@
    perturbations [-]: 0 if the block overturns in all cases, inf if a verdict flips.
 """
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 
 from laboratory.accuracy.reference import SYNTHETIC
-from rocking.response import Outcome
-
-__all__ = [
-    "WELL_CONDITIONED",
-    "answer_errors",
-    "error_statistics",
-    "grid_statistics",
-    "observed_order",
-    "reference_under_perturbation",
-]
+from rocking.response import Outcome, Response
 
 #: A case is well conditioned where the reference moves by less than this under the stored perturbations [-].
 WELL_CONDITIONED = 1e-10
-
 #: Smaller errors are rounding, of which no order of convergence can be read [-].
 ROUNDING = 1e-13
-
 #: Restitution of the synthetic grid that is summed up by itself [-].
 GRID_RESTITUTION = 0.9
-
 PERCENTILES = {"median": 50.0, "p90": 90.0, "p99": 99.0, "max": 100.0}
+
+
+def timed(call: Callable[[], list[Response]], repeats: int) -> tuple[list[Response], float]:
+    """The responses of a call, and the median time of `repeats` calls after one that is not counted [s]."""
+    responses, seconds = call(), []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        responses = call()
+        seconds.append(time.perf_counter() - start)
+    return responses, float(np.median(seconds))
+
+
+def active_samples(responses: list[Response]) -> int:
+    """Number of samples in which the blocks move."""
+    return sum(int(np.sum(np.asarray(one.active_samples))) for one in responses)
 
 
 def answer_errors(answers: pd.DataFrame, reference: pd.DataFrame) -> pd.Series:

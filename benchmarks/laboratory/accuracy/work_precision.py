@@ -15,41 +15,30 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from laboratory.accuracy.statistics import answer_errors, error_statistics, reference_under_perturbation
+from laboratory.accuracy.statistics import (
+    active_samples,
+    answer_errors,
+    error_statistics,
+    reference_under_perturbation,
+    timed,
+)
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import baseline_response
 
-__all__ = [
-    "BASELINE",
-    "STEPS",
-    "TOLERANCES",
-    "Ground",
-    "WorkPrecision",
-    "evenly_spread",
-    "shared_cases",
-    "work_precision",
-]
-
 #: Longest step of the kernels, as p dt [-]; a sample that is shorter is one step.
 STEPS = (0.02, 0.04, 0.08, 0.16, 0.3)
-
 #: That of :func:`recorded_response` unless asked otherwise.
 DEFAULT_STEP = 0.08
-
 #: Methods of ``scipy.integrate.solve_ivp`` with their relative tolerances [-].
 TOLERANCES = (("RK45", 1e-3), ("RK45", 1e-6), ("RK45", 1e-9), ("DOP853", 1e-12))
-
 #: The method to whose cost all others are compared: the solver that a user would write.
 BASELINE = ("RK45", 1e-6)
-
 #: Whole calls whose median is the cost of a kernel, after one that is not counted.
 REPEATS = 5
-
 #: From a row of the reference to its ground acceleration (n,) [m/s2] and sampling interval [s].
 Ground = Callable[[Any], tuple[np.ndarray, float]]
-
 KERNEL, PERTURBED = "rockpulse", "reference"
 LANES, SINGLE = "lanes", "single"
 
@@ -181,12 +170,7 @@ def _measured(
             for group in groups
         ]
 
-    responses = call()
-    seconds = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        responses = call()
-        seconds.append(time.perf_counter() - start)
+    responses, seconds = timed(call, repeats)
     names = np.array([outcome.name for outcome in Outcome])
     answers = [
         pd.DataFrame(
@@ -197,9 +181,9 @@ def _measured(
     lanes = [found.outcome.size for found in responses]
     cost = {
         "lanes": sum(lanes),
-        "active_samples": int(sum(np.sum(found.active_samples) for found in responses)),
+        "active_samples": active_samples(responses),
         "samples": sum(count * group.acceleration.size for count, group in zip(lanes, groups, strict=True)),
-        "seconds": float(np.median(seconds)),
+        "seconds": seconds,
     }
     return pd.concat(answers).loc[cases.index], cost
 

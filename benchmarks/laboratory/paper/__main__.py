@@ -22,7 +22,6 @@ from rockpulse.views.plots.style import picture_bytes
 
 #: From this factor on a table marks a peak that an input without end exceeds.
 MORE = 1.01
-
 NOTES = (
     "(4): overturns in half-cycle 4, for Figure 5 with the time at which that starts; 14: 0.65: 14 half-cycles and the "
     f"largest theta/alpha_c. *: an input without end gives more, by over {MORE - 1.0:.0%}. !: no motion of a block "

@@ -9,29 +9,14 @@ from scipy.special import ellipkinc, ellipkm1
 from rocking.body.block import Block
 from rocking.response import Outcome, Response
 
-__all__ = [
-    "DURATION",
-    "GRAVITY",
-    "RADII",
-    "RESTITUTIONS",
-    "critical_double_impulse",
-    "half_cycle_counts",
-    "no_motion",
-    "paper_block",
-]
-
 #: Gravity that the numbers of the paper follow [m/s2].
 GRAVITY = 9.81
-
 #: 2b of both blocks [m].
 WIDTH = 1.0
-
 #: R [m]; the second block is the more slender one.
 RADII = {"A": 2.0, "B": 4.0}
-
 #: C of section 4.
 RESTITUTIONS = (0.9, 0.6)
-
 #: Length of the input [s].
 DURATION = 20.0
 

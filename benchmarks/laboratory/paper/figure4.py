@@ -22,23 +22,16 @@ from rocking.impulses.sequence import sequence_response
 from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import Response
 
-__all__ = ["figure4"]
-
 #: I/I_1c. The paper prints the values in the figure only; these span its range.
 IMPULSE_RATIOS = tuple(round(0.1 * step, 10) for step in range(1, 11))
-
 #: I_s/I, of which the paper draws 0.3 to 0.7.
 SECONDARY_RATIOS = tuple(round(0.01 * step, 10) for step in range(101))
-
 #: n in every half-cycle; inf is the limit that all spacings have in common.
 COUNTS = (2, 6, 20, math.inf)
-
 #: alpha_c of the bodies that carry p [rad]: it cancels out.
 _ALPHA = 0.25
-
 #: A peak within this share of that of an endless input is not limited by the duration.
 _FREE = 1e-9
-
 _DIMS = ("restitution", "impulse_ratio", "secondary_ratio", "spacing", "intermediate_count", "p")
 
 

@@ -8,20 +8,14 @@ import xarray as xr
 from laboratory.paper.finding import Finding, Statement, stated
 from rocking.response import Outcome
 
-__all__ = ["FIGURE4_STATEMENTS", "ROUNDING"]
-
 FIGURE4_STATEMENTS: list[Statement] = []
 _stated = partial(stated, FIGURE4_STATEMENTS)
-
 #: Ratios I_s/I at which the paper says that the range of interest begins and ends.
 _RANGE = (0.3, 0.7)
-
 #: With "start" the closed form has roots beyond alpha_c, where no block would come back.
 _NOT_START = "every spacing but start"
-
 #: Two peaks are the same within this share: each is within 1e-9 of that of an endless input where that does not bind.
 _SAME = 2.01e-9
-
 #: Peaks that are zero but for rounding [-].
 ROUNDING = 1e-12
 

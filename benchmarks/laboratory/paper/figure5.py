@@ -32,26 +32,18 @@ from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response
 from rockpulse.views.plots.model_histories import HalfCycle, motion_samples
 
-__all__ = ["figure5", "half_cycle_tables"]
-
 #: I_s/I: the text names 0, 0.7 and the range from 0.3 on; 0.5 lies between.
 STUDIED_RATIOS = (0.0, 0.3, 0.5, 0.7)
-
 #: Trial interval dT of the histories [s]: within the range that fits the text.
 INTERVAL = 0.5
-
 #: Trial intervals of the scan [s], up to the first half-cycle without secondary impulses (0.610 s; step 3 of section
 #: 3.2 wants them shorter).
 SCAN = tuple(round(0.002 * step, 10) for step in range(10, 306))
-
 #: Step of the histories [s].
 STEP = 0.01
-
 LANES = ("block", "restitution", "secondary_ratio", "spacing", "interval")
-
 #: Columns of the table under the names of the file.
 _COLUMNS = {item.name: item.name for item in fields(HalfCycles)} | {"interval": "corrected_interval"}
-
 #: Value of a variable where a half-cycle does not exist; NaN for all others.
 _ABSENT = {"impulse_count": -1}
 

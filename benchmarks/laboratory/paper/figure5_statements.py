@@ -12,17 +12,12 @@ import xarray as xr
 from laboratory.paper.finding import Finding, Statement, stated
 from rocking.response import Outcome
 
-__all__ = ["FIGURE5_STATEMENTS"]
-
 FIGURE5_STATEMENTS: list[Statement] = []
 _stated = partial(stated, FIGURE5_STATEMENTS)
-
 #: "Very good agreement": impulses and times within this share of each other [-].
 _VERY_GOOD = 0.05
-
 #: Constant: the last two half-cycles differ by less than this share [-], which no printed figure would show.
 _CONSTANT = 0.01
-
 _SCAN = ("spacing", "interval")
 
 

@@ -8,8 +8,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-__all__ = ["Finding", "Statement", "examine", "interval_ranges", "stated", "statement_table"]
-
 
 @dataclass(frozen=True, eq=False)
 class Finding:

@@ -24,11 +24,8 @@ from rockpulse.views.plots.style import (
     several_axes,
 )
 
-__all__ = ["draw_figure4", "draw_figure5"]
-
 #: I_s/I that the paper draws.
 _PAPER = (0.3, 0.7)
-
 #: Upper end of the rotation axis of a history, theta/alpha_c [-].
 _TOP = 1.1
 

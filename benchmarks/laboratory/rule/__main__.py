@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 
 from laboratory.ensemble import PROCESSING, add_record_arguments, read_strong
-from laboratory.rule.cases import motion_cases
-from laboratory.rule.judgement import LIMIT, fit_rules, judge_rules, too_few
+from laboratory.rule.judgement import LIMIT, fit_rules, judge_rules, motion_cases, too_few
 from laboratory.rule.measures import MEASURES
 from laboratory.tables import plain, write_tables
 from rockpulse.sequences.rule import POINTS, Rule, load_rule
@@ -86,9 +85,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of the bootstrap")
     args = parser.parse_args()
     logging.disable(logging.WARNING)
-    motions, left_out = read_strong(args)
-    for row in left_out:
-        print(f"not used ({row.kind}): {row.reason}")
+    motions = read_strong(args)
     if not motions:
         parser.exit(1, "no strong channel among the records\n")
     cases = pd.concat([motion_cases(motion) for motion in motions], ignore_index=True)

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from laboratory.ensemble import blocks
-from laboratory.rule.cases import SCALES
-from laboratory.rule.measures import MEASURES
+from laboratory.ensemble import StrongMotion, blocks
+from laboratory.rule.measures import MEASURES, other_measures
 from laboratory.rule.statistics import (
     RESAMPLES,
     alike,
@@ -28,27 +27,59 @@ from laboratory.rule.statistics import (
     resampled,
     weighted_median,
 )
-from laboratory.rule.truth import FACTOR_MAX
+from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome
+from rocking.spectrum.half_waves import demand_of_half_waves
+from rockpulse.record.half_wave import half_waves
 from rockpulse.sequences.rule import POINTS, Rule, traits
-
-__all__ = ["LIMIT", "fit_rules", "judge_rules", "too_few"]
 
 #: An ensemble that a rule is fitted on or judged by has at least so many earthquakes with capacities that are reached,
 #: and so many of these in all.
 FEWEST_EVENTS, FEWEST_CASES = 4, 20
-
 #: Missed shares at which false alarms are compared [-].
 MISSED_SHARES = (0.01, 0.05)
-
 #: The score that tells the limit, beside the measures.
 LIMIT = "limit"
-
 #: Scores that are verdicts as published: an alarm at 1 and above.
 PUBLISHED = ("uplift_ratio", "ishiyama_ratio")
+#: Factors on each record at which verdicts are compared [-], by name.
+SCALES = {"half": 0.5, "one": 1.0}
+
+
+def motion_cases(motion: StrongMotion) -> pd.DataFrame:
+    """The cases of one motion, one row a body.
+
+    Columns: record, event, source (the file of the record), slenderness, radius [m]; the demands [-] of
+    :data:`laboratory.rule.measures.MEASURES`; the capacities of :func:`~laboratory.rule.truth.nonlinear_capacity`;
+    `overturns_half` and `overturns_one`, the nonlinear verdicts at the factors :data:`SCALES` without uncertainty.
+    Raises ValueError where a model refuses the numbers of the record.
+    """
+    bodies, record = blocks(), motion.record
+    waves = half_waves(record)
+    asked = demand_of_half_waves(bodies, waves.start, waves.centroid, waves.end, waves.impulse)
+    verdict = recorded_response(bodies, record.acceleration, record.dt, scale=np.array(list(SCALES.values()))).outcome
+    return pd.DataFrame(
+        {
+            "record": record.id,
+            "event": motion.event,
+            "source": record.source,
+            "slenderness": bodies.slenderness,
+            "radius": bodies.radius,
+            "march": asked.march,
+            "march_10": asked.march_10,
+            **other_measures(bodies, record, waves),
+            **nonlinear_capacity(bodies, record.acceleration, record.dt),
+            **{
+                f"overturns_{name}": (row == Outcome.OVERTURNS) | (row == Outcome.UNRESOLVED)
+                for name, row in zip(SCALES, np.asarray(verdict), strict=True)
+            },
+        }
+    )
 
 
 def too_few(cases: pd.DataFrame) -> str:
-    """The reason why an ensemble of :func:`~laboratory.rule.cases.motion_cases` is too small; empty if it is not."""
+    """The reason why an ensemble of :func:`motion_cases` is too small; empty if it is not."""
     reached = np.isfinite(cases["factor_mean"].to_numpy(dtype=float))
     within = cases["event"][reached].nunique()
     if within >= FEWEST_EVENTS and reached.sum() >= FEWEST_CASES:
@@ -73,7 +104,7 @@ def judge_rules(
 ) -> dict[str, pd.DataFrame]:
     """How well the rule predicts nonlinear capacities and verdicts, left out and as given.
 
-    The cases are those of :func:`~laboratory.rule.cases.motion_cases`, of several motions below each other; `given` is
+    The cases are those of :func:`motion_cases`, of several motions below each other; `given` is
     a stored rule, by working point; `seed` and `resamples` are those of the bootstrap. The tables are `capacities`
     (bias and scatter of every measure), `rates` (missed and false alarms), `at_missed` (false alarms at a missed
     share), each with intervals of 95 % over earthquakes, and `cases` with the demands of the rules fitted without the

@@ -25,11 +25,8 @@ from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import largest_change, pgv, spectrum_intensity
 from rockpulse.record.record import Record
 
-__all__ = ["MEASURES", "ishiyama_velocity", "other_measures"]
-
 #: Numbers of exact marches of a body with which the rule is compared, and the seed of their random numbers.
 COUNTS, SEED = (16, 32, 64, 128, 256), 38
-
 #: Measures, and what they are called.
 MEASURES = {
     "march": "rule, mean capacity",
@@ -46,7 +43,6 @@ MEASURES = {
     "uplift_ratio": "PGA, West",
     "ishiyama_ratio": "Ishiyama 0.4",
 }
-
 #: Share of the velocity that overturns a body from rest, at which Ishiyama's body overturns.
 ISHIYAMA = 0.4
 

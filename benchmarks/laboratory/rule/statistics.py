@@ -13,21 +13,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-__all__ = [
-    "RESAMPLES",
-    "alike",
-    "between",
-    "coefficient",
-    "dispersion",
-    "false_at",
-    "missed_and_false",
-    "resampled",
-    "weighted_median",
-]
-
 #: Resamples of the bootstrap.
 RESAMPLES = 1000
-
 #: Confidence of the intervals [-].
 CONFIDENCE = 0.95
 

@@ -26,20 +26,14 @@ from rocking.spectrum.probability import (
     tail_masses,
 )
 
-__all__ = ["FACTOR_MAX", "LANES", "exact_marches", "nonlinear_capacity"]
-
 #: Lanes of a body. Against 4096 others the mean capacity scatters by 2 %, the factor of 10 % by 3 % (67 channels).
 LANES = 1024
-
 #: Largest factor on a record that is asked for [-].
 FACTOR_MAX = 10.0
-
 #: Ratio of neighbouring levels of the factor, as its logarithm.
 LEVEL_STEP = 0.02
-
 #: Standard deviations of the factor that the lanes reach beyond the first and the last level.
 REACH = 4.0
-
 SEED = 2017
 
 

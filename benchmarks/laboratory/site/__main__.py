@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from laboratory.ensemble import add_record_arguments, read_strong
-from laboratory.site.judgement import Site, judge
-from laboratory.site.records import known_of
+from laboratory.site.judgement import Site, judge, known_of
 from laboratory.tables import plain, write_tables
 from rockpulse.studies.site.spectrum_design import FEWEST_EVENTS
 
@@ -29,9 +28,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of halves and resamples")
     args = parser.parse_args()
     logging.disable(logging.WARNING)
-    motions, left_out = read_strong(args, LEAST)
-    for row in left_out:
-        print(f"not used ({row.kind}): {row.reason}")
+    motions = read_strong(args, LEAST)
     names, events = np.unique([motion.event for motion in motions], return_inverse=True)
     if names.size < 2 * FEWEST_EVENTS:
         parser.exit(1, f"{names.size} earthquakes with records above {LEAST:g} m/s2, {2 * FEWEST_EVENTS} are needed\n")

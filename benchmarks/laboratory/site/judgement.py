@@ -3,35 +3,76 @@
 .. note:: A design and a record overturn a body at certain scale factors. A record is more severe than the design if its
    scale factor is smaller. Of the earthquakes left out, a share of 1 - q should be more severe. The records of an
    earthquake are averaged, and earthquakes have equal weights in the design and in the share.
+
+   The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
+   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record.
 """
 
 import math
+import re
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from laboratory.site.records import BODIES
+from laboratory.ensemble import StrongMotion
+from rocking.body.block import Block
 from rocking.body.limits import RATES
+from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.slender_lanes import spectrum_lanes
+from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, record_quantiles
+from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables.probability import RESTITUTIONS
-
-__all__ = ["METHODS", "QUANTILES", "Site", "judge"]
+from rockpulse.studies.site.spectrum_design import site_spectrum_record
 
 #: The spectra of the design.
 METHODS = ("rule", "nonlinear")
-
 QUANTILES = (0.5, 0.84, 0.95)
-
 #: Confidence of the intervals over earthquakes and of the width [-].
 CONFIDENCE = 0.9
+#: Slendernesses and restitutions [-] of the twelve bodies, at each of four frequency parameters [1/s].
+SHAPES, BODY_RATES = np.array([(4.0, 0.8), (6.0, 0.9), (10.0, 0.97)]), (0.5, 1.25, 3.0, 8.0)
+BODIES = Block.from_parameters(
+    p=np.repeat(BODY_RATES, len(SHAPES)),
+    alpha=np.tile(np.arctan(1.0 / SHAPES[:, 0]), len(BODY_RATES)),
+    restitution=np.tile(SHAPES[:, 1], len(BODY_RATES)),
+    log=False,
+)
+
+
+def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
+    """Capacities and spectra of a motion by name, from its file in a folder if there is one.
+
+    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s].
+    """
+    # Files without station give equal ids.
+    name = f"{motion.event} {motion.record.id} {motion.record.npts}"
+    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', name)}.npz"
+    if not path.exists():
+        np.savez(path, **_computed(motion))
+    with np.load(path) as stored:
+        return dict(stored)
+
+
+def _computed(motion: StrongMotion) -> dict[str, np.ndarray]:
+    record, config = motion.record, Config()
+    own = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt))
+    of_rule = site_spectrum_record(Motion(record), lambda _: nullcontext(), config)
+    return {
+        "capacity": own.factors(BODIES).factor_50,
+        "nonlinear": own.spectrum(RESTITUTIONS),
+        "rule": of_rule["spectrum"][0],
+    }
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """Records of several earthquakes, with the result of :func:`laboratory.site.records.known_of` for each."""
+    """Records of several earthquakes, with the result of :func:`known_of` for each."""
 
     events: np.ndarray  # (n,) number of the earthquake of each record, from 0
     capacity: np.ndarray  # (n, 12) [-]

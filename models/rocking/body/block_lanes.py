@@ -82,10 +82,9 @@ class BlockLanes(LaneValues, Shown):
             raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
         parts = [block.lanes() for block in blocks]
         if any(block.restraints is not None for block in blocks):
-            none = [np.full(part.shape, None) for part in parts]
             parts = [
-                part if part.restraints is not None else part.changed(restraints=nothing)
-                for part, nothing in zip(parts, none, strict=True)
+                part if part.restraints is not None else part.changed(restraints=np.full(part.shape, None))
+                for part in parts
             ]
         edges = np.cumsum([part.shape[0] for part in parts])
         stacked = cls.join(parts, np.split(np.arange(edges[-1]), edges[:-1]), int(edges[-1]))

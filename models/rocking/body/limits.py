@@ -61,10 +61,7 @@ def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarr
                 f"{float(np.min(1.0 / np.tan(alpha))):.3g}; give a number e in [0, 1]"
             )
         return np.asarray(sorrentino(alpha))
-    share = numbers("rebound", given, expected)
-    if not np.all((share >= 0.0) & (share <= 1.0)):
-        raise ValueError(f"rebound: expected {expected}, got {given!r}")
-    return share
+    return numbers("rebound", given, expected, within=(0.0, 1.0))
 
 
 def both_corners(
@@ -144,10 +141,7 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
                 why = "1 - 2 (p^2 R/g) sin^2(alpha) is negative for this p, alpha and radius"
             raise ValueError(f"restitution: {why}; give a number in [0, 1]")
         return most
-    restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")
-    if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
-        raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
-    return restitution
+    return numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'", within=(0.0, 1.0))
 
 
 def restitutions_of(

@@ -34,15 +34,20 @@ _HOP_LIMIT = 100_000
 
 
 @njit()
+def arc(rotation, velocity, sinh, cosh_less_one):
+    """Return x and x' after a time t of natural motion (Eq. 2), from sinh(p t) and cosh(p t) - 1."""
+    return (
+        rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
+        velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
+    )
+
+
+@njit()
 def state(rotation, velocity, time):
     """Return x and x' after a time (times p) of natural motion (Eq. 2); times above 700 count as 700."""
     if time < 1.0:
         half = math.sinh(0.5 * time)
-        sinh, cosh_less_one = math.sinh(time), 2.0 * half * half
-        return (
-            rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
-            velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
-        )
+        return arc(rotation, velocity, math.sinh(time), 2.0 * half * half)
     growing = 0.5 * (rotation - 1.0 + velocity) * math.exp(min(time, _LARGEST_EXPONENT))
     decaying = 0.5 * (rotation - 1.0 - velocity) * math.exp(-min(time, _LARGEST_EXPONENT))
     return 1.0 + growing + decaying, growing - decaying

@@ -86,15 +86,6 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
 
 
 @njit()
-def _arc(rotation, velocity, sinh, cosh_less_one):
-    """Return rotation and velocity after a time t of natural motion, from sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
-    return (
-        rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
-        velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
-    )
-
-
-@njit()
 def _decays(velocity, restitution, remaining):
     """Return whether a free decay, which lasts from 2 u/(1 - C) to 2 atanh(u)/(1 - C), ends within `remaining`."""
     loss = 1.0 - restitution
@@ -247,7 +238,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                 else:
                     shrunk = ahead / (1.0 + ahead)
                     sine, cosine = 0.5 * (ahead + shrunk), 0.5 * ahead * shrunk
-                end_rotation, end_velocity = _arc(rotation, velocity, sine, cosine)
+                end_rotation, end_velocity = half_cycle.arc(rotation, velocity, sine, cosine)
                 if velocity >= 0.0 and end_velocity <= 0.0 and growing < 0.0 and speed * speed > energy:
                     energy, left = speed * speed, (1.0 - rotation - velocity) * (1.0 - rotation + velocity)
                 peak = max(peak, rotation)

@@ -14,7 +14,6 @@ from rocking.body.block import Block
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
 from rocking.impulses.sequence_kernel import TABLE_ROWS, combined, repetitions, tabulated_response
 from rocking.kernel_cache import njit
-from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
 #: Number of bisections of the bracket around the upper edge of a band of scale factors.
@@ -154,18 +153,6 @@ def _start_at_edge(restitution, ratio, half_cycle):
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
-@njit(_nrt=False)
-def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Write the smallest scale factor that overturns each block: I_Nc/I, where N is the last possible half-cycle."""
-    for lane in range(first_lane, last_lane):
-        c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
-        if end != np.inf:
-            last = last_half_cycle(c, 0.0, lanes.p[lane] * end, last)
-        factors[lane] = lanes.critical[lane] / (lanes.impulse[lane] * amplification(c, last))
-        if last == UNLIMITED and c == 1.0:
-            factors[lane] = np.inf if lanes.impulse[lane] == 0.0 else 0.0
-
-
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
     """Return lower and upper scale factors (2, k) of ranges in which a block overturns; `end` is in units of 1/p."""
@@ -238,8 +225,17 @@ def resonance(
     >>> response.overturning_half_cycle
     7
     """
-    shape, drop, lanes = _lanes(block, impulse, _half_cycles(half_cycles, duration), duration)
-    return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
+    sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
+    if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
+        raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")
+    if half_cycles is None and not np.all(np.isfinite(ends)):
+        raise ValueError("half_cycles: expected a whole number; None needs a finite duration to end the main sequence")
+    if ends.ndim > 1 or not np.all(ends > 0.0):
+        raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
+    most = UNLIMITED if half_cycles is None else counts("half_cycles", half_cycles, least=1)
+    shape, drop, flat = combined((sizes, ends, most), (block.p, block.restitution, block.critical_impulse))
+    flat[2] = flat[2].astype(np.int64)
+    return tabulated_response(resonance_lanes, MainSequenceLanes(*flat), shape, drop, table_rows, threads)
 
 
 def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
@@ -278,74 +274,4 @@ def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
 
 def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
     """Return I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 [-], for one restitution C or an array (m,)."""
-    ratios = np.array(restitution, dtype=float, ndmin=1)
-    ones, factors = np.ones(ratios.size), np.empty(ratios.size)
-    lanes = MainSequenceLanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
-    safety_lanes(0, ratios.size, lanes, factors)
-    return factors.item() if np.ndim(restitution) == 0 else factors
-
-
-def resonance_safety(
-    block: Block,
-    impulse: ArrayLike,
-    half_cycles: ArrayLike | None = None,
-    duration: ArrayLike | None = None,
-    threads: int | None = None,
-) -> Floats:
-    """Return the smallest scale factor on the impulse at which :func:`resonance` overturns the block, in closed form.
-
-    Parameters
-    ----------
-    block, impulse, duration, threads
-        As for :func:`resonance`.
-    half_cycles : int or (q,) array_like of int, optional
-        Number of main impulses; None for no limit.
-
-    Returns
-    -------
-    factor : float or (q, m) ndarray
-        I_Nc/I [-]; inf if the impulse is zero. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I,
-        at which the block just survives.
-
-    Notes
-    -----
-    Scale factors from I_Nc/I to below I_(N-1)c/I overturn the block in half-cycle N. The start of this half-cycle grows
-    with the scale factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1
-    - C^j)/(1 - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N
-    >= j/N and the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
-
-    Examples
-    --------
-    >>> round(rocking.resonance_safety(pier, 0.5, half_cycles=1), 2), round(pier.critical_impulse / 0.5, 2)
-    (2.62, 2.62)
-    """
-    count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
-    shape, drop, lanes = _lanes(block, impulse, count, duration)
-    flat = np.empty(lanes.impulse.size)
-
-    split_lanes(lambda first, last: safety_lanes(first, last, lanes, flat), flat.size, threads)
-    return squeezed(flat.reshape(shape), drop)
-
-
-def _lanes(
-    block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
-) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the shape (q, m), whether the impulse and the block are scalars, and the arrays for a kernel."""
-    sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
-    if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
-        raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")
-    if ends.ndim > 1 or not np.all(ends > 0.0):
-        raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
-    blocks = (block.p, block.restitution, block.critical_impulse)
-    shape, drop, (impulses, until, most, *rest) = combined((sizes, ends, count), blocks)
-    return shape, drop, MainSequenceLanes(impulses, until, most.astype(np.int64), *rest)
-
-
-def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:
-    if value is None:
-        if duration is None or not np.all(np.isfinite(np.asarray(duration, dtype=float))):
-            raise ValueError(
-                "half_cycles: expected a whole number; None needs a finite duration to end the main sequence"
-            )
-        return UNLIMITED
-    return counts("half_cycles", value, least=1)
+    return 1.0 / np.vectorize(amplification, otypes=[float])(restitution, half_cycle)

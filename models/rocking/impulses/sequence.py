@@ -109,15 +109,7 @@ def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
     """Return outcomes (q, n) of blocks with indices `chosen` (n,) under their sequences scaled by `factors` (q, n)."""
-    paired = sequence.shape != ()
-    if (paired and sequence.shape != block.shape) or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
-        raise ValueError(
-            "expected one sequence, or one for each block, and factors with a column for each chosen block, "
-            f"got shapes {sequence.shape}, {factors.shape} and {chosen.shape}"
-        )
-    if not np.all(np.isfinite(factors) & (factors >= 0.0)):
-        raise ValueError("factors: expected finite numbers that are not negative")
-    _, _, flat = _combined(block, sequence, paired)
+    _, _, flat = _combined(block, sequence, paired=sequence.shape != ())
     flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
     flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
     lanes, short = _lanes(sequence, flat)

@@ -148,11 +148,9 @@ def recorded_response(
         raise ValueError(
             f"last_term: expected a share of alpha_c of at least {SMALLEST_LAST_TERM:g}, or inf, got {last_term!r}"
         )
-    factors = numbers("scale", scale, "a scale factor >= 0")
-    if np.any(factors < 0.0):
-        raise ValueError(f"scale: expected a scale factor >= 0 or a (q,) array of them, got {scale!r}")
-    own = numbers("block_scale", block_scale, "a scale factor >= 0")
-    if np.any(own < 0.0) or own.shape not in ((), block.shape):
+    factors = numbers("scale", scale, "a scale factor >= 0", within=(0.0, np.inf))
+    own = numbers("block_scale", block_scale, "a scale factor >= 0", within=(0.0, np.inf))
+    if own.shape not in ((), block.shape):
         raise ValueError(
             f"block_scale: expected a scale factor >= 0, or an array {block.shape} of them, got {block_scale!r:.80}"
         )
@@ -235,11 +233,12 @@ def recorded_response(
         parts = [(np.flatnonzero(kind), march) for kind, march in kinds if np.any(kind)]
         found = [march(own) for own, march in parts]
         if np.any(restrained):
-            none = [np.full((2, *np.shape(one.outcome)), np.nan) for one in found]
-            turned = [
-                no if one.corner_rotation is None else one.corner_rotation for one, no in zip(found, none, strict=True)
+            found = [
+                one.changed(corner_rotation=np.full((2, *np.shape(one.outcome)), np.nan))
+                if one.corner_rotation is None
+                else one
+                for one in found
             ]
-            found = [one.changed(corner_rotation=own) for one, own in zip(found, turned, strict=True)]
         response = Response.join(found, [own for own, _ in parts], alpha.size)
     time = dt * np.arange(samples) if history else None
     return response.changed(time=time).squeezed((factors.ndim == 0, lanes == ()))

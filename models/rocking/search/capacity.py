@@ -11,12 +11,12 @@ from rocking.arguments import UNLIMITED, ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
-from rocking.impulses.main_sequence import amplification, bands_of, resonance_safety
+from rocking.impulses.main_sequence import amplification, bands_of
 from rocking.impulses.sequence import scaled_outcomes
 from rocking.march.corner_response import uplift_additions
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
-from rocking.search.factors import ScaleIntervals, exceedance_intervals
+from rocking.search.factors import TOLERANCE, ScaleIntervals, exceedance_intervals
 
 #: Number of factors in the scan of one block.
 POINTS = 64
@@ -28,8 +28,6 @@ ROUNDING = 1e-12
 STEP = 1.005
 #: Start of a search without a known lower bound, as main impulse divided by I_1c.
 SMALLEST_START = 1e-3
-#: Bands of factors are joined if the gap between them is narrower than this share of the factor, as in a search.
-EDGE_TOLERANCE = 1e-6
 
 
 def critical_scale(
@@ -286,12 +284,9 @@ def sequence_critical_scale(
     if sequence.spacing == "continuous" or np.all(sequence.secondary == 0.0):
         return _bands(blocks, sequence, factor_max)
     lowest = SMALLEST_START * np.asarray(blocks.critical_impulse) / sequence.main
-    if paired:
-        reached = np.vectorize(amplification, otypes=[float])(blocks.restitution, sequence.main_count)
-        start = np.asarray(blocks.critical_impulse) / (sequence.main * reached)
-    else:
-        start = np.asarray(resonance_safety(blocks, sequence.main, sequence.main_count))
-    start = np.maximum(start, lowest)
+    most = UNLIMITED if sequence.main_count is None else sequence.main_count
+    reached = np.vectorize(amplification, otypes=[float])(blocks.restitution, most)
+    start = np.maximum(np.asarray(blocks.critical_impulse) / (sequence.main * reached), lowest)
     points = 1 + np.ceil(np.log(np.maximum(factor_max / start, step)) / np.log(step)).astype(np.int64)
 
     def overturns(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
@@ -326,7 +321,7 @@ def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleI
     lane = np.repeat(np.arange(count), [part.shape[1] for part in parts])
     lower, upper = np.concatenate(parts, axis=1) if parts else np.empty((2, 0))
     begins = np.ones(lane.size, dtype=bool)
-    begins[1:] = (lane[1:] != lane[:-1]) | (upper[:-1] < lower[1:] * (1.0 - EDGE_TOLERANCE))
+    begins[1:] = (lane[1:] != lane[:-1]) | (upper[:-1] < lower[1:] * (1.0 - TOLERANCE))
     ends = np.append(begins[1:], True)[: lane.size]
     lane, lower, upper = lane[begins], lower[begins], upper[ends]
     safety = np.full(count, np.inf)

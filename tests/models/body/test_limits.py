@@ -137,13 +137,6 @@ def test_housner_with_a_radius_is_angular_momentum_of_the_body_itself(seed):
     assert not any("restitution" in warning for warning in found.warnings)
 
 
-def test_points_of_a_rectangle_are_the_rectangle():
-    middle = (np.arange(400) + 0.5) / 400
-    x, z = np.meshgrid(0.6 * middle - 0.3, 2.4 * middle)
-    p, alpha, radius, ratio = numerical(x.ravel(), z.ravel(), np.ones(x.size), 0.3)
-    assert (p, ratio) == pytest.approx((np.sqrt(0.75 * G / radius), 1.0 - 1.5 * np.sin(alpha) ** 2), rel=1e-5)
-
-
 def test_statue_of_the_sample_is_judged_by_its_own_angular_momentum():  # V23 (D)
     own = Block.from_parameters(2.385, 0.2445, "housner", radius=1.136)
     like_rectangle = Block.from_parameters(2.385, 0.2445, "housner")
@@ -155,20 +148,6 @@ def test_statue_of_the_sample_is_judged_by_its_own_angular_momentum():  # V23 (D
     (above,) = Block.from_parameters(2.385, 0.2445, 0.93, radius=1.136).warnings
     assert "restitution 0.93 is above 0.9228, the bound for its p, alpha and radius" in above
     assert "conservation of angular momentum" in above
-
-
-def test_radius_changes_nothing_but_the_bound_and_itself():
-    bodies = [Block.from_parameters(2.385, 0.2445, 0.87, **more) for more in ({}, {"radius": 1.136})]
-    for name in ("p", "alpha_c", "restitution", "slenderness", "critical_impulse", "gravity"):
-        assert getattr(bodies[0], name) == getattr(bodies[1], name)
-    assert bodies[0].radius == 3.0 * STANDARD_GRAVITY / (4.0 * 2.385**2)
-    assert np.isnan([bodies[1].width, bodies[1].height]).all()
-
-
-@pytest.mark.parametrize("radius", [1136.0, 2.0 * 1.136, STANDARD_GRAVITY / 2.385**2])
-def test_radius_that_no_body_of_this_p_has_is_refused(radius):
-    with pytest.raises(ValueError, match=r"^radius: no body with p = 2\.385 .* expected less than g/p\^2 = 1\.724 m"):
-        Block.from_parameters(2.385, 0.2445, 0.87, radius=radius)
 
 
 @pytest.mark.parametrize(

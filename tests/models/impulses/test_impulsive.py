@@ -37,58 +37,6 @@ def test_one_impulse_overturns_from_the_critical_one_of_its_gain(gain):  # F1
     assert below.peak_rotation_ratio == pytest.approx(1.0 - math.sqrt(2e-9), rel=1e-7)
 
 
-def test_free_decay_after_one_impulse_is_that_of_f5():
-    body = block(2.0, 0.90625)
-    response = impulsive_response(body, [0.0], [-0.7 * body.critical_impulse], duration=8.0, history_dt=1e-3)
-    rotation = response.rotation / body.alpha_c
-    sides = np.flatnonzero(np.diff(np.sign(rotation)) != 0)
-    peaks = [np.abs(part).max() for part in np.split(rotation, sides + 1)][1:6]
-    assert rotation[5] > 0.0  # a push of the ground to the left lifts the block onto its right-hand corner
-    assert peaks == pytest.approx(1.0 - np.sqrt(1.0 - (0.7 * 0.90625 ** np.arange(5)) ** 2), rel=1e-5)
-    assert response.impacts == np.sum(0.7 * 0.90625 ** np.arange(200.0) > IMPACT_CUTOFF)
-
-
-@PROPERTY
-@given(st.integers(0, 10_000), st.floats(0.05, 0.6), st.sampled_from(sorted(GAINS)))
-def test_negated_impulses_mirror_the_motion(seed, strength, gain):
-    body = block(2.0, 0.8)
-    times, impulses = random_train(seed, body, strength)
-    first = impulsive_response(body, times, impulses, 6.0, gain, history_dt=0.05)
-    second = impulsive_response(body, times, -impulses, 6.0, gain, history_dt=0.05)
-    assert first.peak_rotation_ratio == second.peak_rotation_ratio
-    assert (first.outcome, first.impacts) == (second.outcome, second.impacts)
-    assert np.array_equal(first.rotation, -second.rotation, equal_nan=True)
-    assert np.array_equal(first.velocity, -second.velocity, equal_nan=True)
-
-
-@PROPERTY
-@given(st.integers(0, 10_000), st.floats(0.05, 0.6), st.sampled_from([-64.0, 0.5, 1024.0]))
-def test_shifted_impulses_shift_the_motion(seed, strength, shift):
-    body = block()
-    times, impulses = random_train(seed, body, strength)
-    times = np.round(times * 1024.0) / 1024.0  # so that the shift is exact in floating point
-    first, second = (impulsive_response(body, shifted, impulses) for shifted in (times, times + shift))
-    assert first.outcome == second.outcome
-    assert first.peak_rotation_ratio == second.peak_rotation_ratio
-    assert first.impacts == second.impacts
-    if first.outcome == Outcome.OVERTURNS:
-        assert second.overturning_time == pytest.approx(first.overturning_time + shift, abs=1e-9)
-
-
-@PROPERTY
-@given(st.integers(0, 10_000), st.floats(0.05, 0.6))
-def test_response_with_the_paper_gain_depends_on_scaled_impulses_alone(seed, strength):  # F9
-    small, large = block(2.0, 0.8), block(8.0, 0.8)
-    times, impulses = random_train(seed, small, strength)
-    first = impulsive_response(small, times, impulses)
-    second = impulsive_response(
-        large, times * small.p / large.p, impulses * large.critical_impulse / small.critical_impulse
-    )
-    assert first.outcome == second.outcome
-    if first.outcome == Outcome.ROCKS:
-        assert first.peak_rotation_ratio == pytest.approx(second.peak_rotation_ratio, rel=1e-8)
-
-
 @PROPERTY
 @given(st.integers(0, 10_000), st.floats(0.05, 0.6))
 def test_history_changes_nothing_and_lies_on_the_natural_motion(seed, strength):

@@ -7,14 +7,15 @@ from hypothesis import strategies as st
 
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.main_sequence import (
     critical_impulse,
     critical_impulse_ratio,
     overturning_half_cycle,
     resonance,
-    resonance_safety,
 )
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
+from rocking.search.capacity import resonance_critical_scale
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 
@@ -202,36 +203,23 @@ def test_lanes_are_every_impulse_on_every_block():
     assert isinstance(resonance(bodies.lane(0), 0.1, 6).peak_rotation_ratio, float)
 
 
+def safety(body, half_cycles, duration):
+    """The smallest scale factor on main impulses of 0.3 m/s that overturns a body."""
+    sequence = ImpulseSequence(0.3, 0.0, np.nan, duration or np.inf, half_cycles, spacing="continuous")
+    return resonance_critical_scale(body, sequence, 1e9).safety_factor[0]
+
+
 @pytest.mark.parametrize("restitution", [0.0, 0.6, 0.9, 0.98, 1.0])
 @pytest.mark.parametrize(
     ("half_cycles", "duration"), [(1, None), (4, None), (None, 3.0), (None, 20.0), (6, 5.0), (3, 20.0)]
 )
 def test_safety_factor_is_the_smallest_that_overturns_in_a_scan(restitution, half_cycles, duration):
     body = block(2.0, restitution)
-    factor = resonance_safety(body, 0.3, half_cycles, duration)
+    factor = safety(body, half_cycles, duration)
     scan = factor * np.concatenate([np.geomspace(0.02, 1.0 - 1e-9, 3000), np.linspace(1.0, 1.0 + 1e-6, 5)])
     outcome = resonance(body, 0.3 * scan, half_cycles, duration, table_rows=0).outcome
     assert np.all(outcome[:-5] == Outcome.ROCKS)
     assert outcome[-1] == Outcome.OVERTURNS
-
-
-@pytest.mark.sweep
-@PROPERTY
-@given(st.floats(0.0, 1.0), st.floats(0.05, 40.0))
-def test_safety_factor_with_a_duration_overturns_at_and_not_below(restitution, duration):
-    body = block(2.0, restitution)
-    factor = resonance_safety(body, 0.3, duration=duration)
-    assert resonance(body, 0.3 * factor * (1.0 + 1e-9), None, duration * (1.0 + 1e-6)).outcome == Outcome.OVERTURNS
-    below = factor * np.geomspace(0.05, 1.0 - 1e-6, 200)
-    assert np.all(resonance(body, 0.3 * below, None, duration, table_rows=0).outcome == Outcome.ROCKS)
-
-
-def test_safety_factor_without_end_is_the_infimum():
-    body = block(2.0, 0.9)
-    assert resonance_safety(body, 0.3) == pytest.approx(0.1 * body.critical_impulse / 0.3, rel=1e-14)
-    assert resonance_safety(block(2.0, 1.0), 0.3) == 0.0
-    assert resonance_safety(block(2.0, 1.0), 0.0) == np.inf
-    assert resonance_safety(body, 0.0, duration=20.0) == np.inf
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.main_sequence import critical_impulse, resonance, resonance_safety
+from rocking.impulses.main_sequence import critical_impulse, resonance
 from rocking.impulses.sequence import scaled_outcomes, sequence_response
 from rocking.response import Outcome, Reason
 
@@ -75,7 +75,6 @@ def test_main_count_broadcasts_with_scalar_impulses():
         assert np.array_equal(
             main.peak_rotation_ratio[q], resonance(blocks, 0.3, int(count)).peak_rotation_ratio, equal_nan=True
         )
-        assert np.array_equal(resonance_safety(blocks, 0.3, counts)[q], resonance_safety(blocks, 0.3, int(count)))
 
 
 @pytest.mark.parametrize("threads", [2, None])
@@ -131,20 +130,6 @@ def test_outcomes_of_factors_mark_intervals_that_are_too_short():
     outcomes = scaled_outcomes(bodies(), ImpulseSequence(0.3, 0.1, 1e-7, 20.0), np.array([0]), np.ones((1, 1)))
     assert outcomes.tolist() == [[Outcome.UNRESOLVED]]
     assert sequence_response(bodies(), ImpulseSequence(0.3, 0.1, 1e-7, 20.0)).reason[0] == Reason.SHORT_INTERVAL
-
-
-@pytest.mark.parametrize(
-    ("chosen", "factors", "message"),
-    [
-        (np.array([0, 1]), np.ones((2, 3)), "a column for each chosen block"),
-        (np.array([0]), np.ones(1), "a column for each chosen block"),
-        (np.array([0]), np.array([[-1.0]]), "not negative"),
-        (np.array([0]), np.array([[np.nan]]), "finite"),
-    ],
-)
-def test_bad_factors_are_named(chosen, factors, message):
-    with pytest.raises(ValueError, match=message):
-        scaled_outcomes(bodies(), ImpulseSequence(0.3, 0.1, 0.2, 20.0), chosen, factors)
 
 
 @pytest.mark.parametrize("count", [[1.5, 2.0], [0, 1], [[1]], [True, False], ["a", "b"]])

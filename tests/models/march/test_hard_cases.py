@@ -258,19 +258,6 @@ def test_quiet_record_of_a_million_samples(equation):
     assert within.peak_rotation_ratio == pytest.approx(alone.peak_rotation_ratio, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("equation", EQUATIONS)
-def test_record_of_zeros_leaves_the_block_at_rest(equation):
-    response = answer(block_of(2.0, 5.0), np.zeros(2000), 0.01, equation=equation)
-    assert (response.outcome, response.peak_rotation_ratio, response.impacts) == (Outcome.AT_REST, 0.0, 0)
-
-
-def test_record_of_one_interval_is_a_rectangular_pulse(wall):
-    """F6 with t_1 = dt, on both sides of its limit."""
-    critical = G * wall.alpha_c / -math.expm1(-wall.p * 0.01)
-    for share, outcome in ((1.0 - 1e-9, Outcome.ROCKS), (1.0 + 1e-9, Outcome.OVERTURNS)):
-        assert answer(wall, [critical * share] * 2, 0.01, equation="linear").outcome == outcome
-
-
 @pytest.mark.parametrize("spacing", ["end", "middle", "start", "open"])
 def test_trial_interval_of_a_long_wait_gives_two_impulses_a_half_cycle(wall, spacing):
     main = 0.3 * wall.critical_impulse

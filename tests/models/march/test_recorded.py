@@ -42,25 +42,6 @@ def test_free_decay_peaks_and_their_total_time():  # VALIDATION V12 (D)
     assert block.p * at_rest == pytest.approx(19.812828, abs=2 * block.p * 5e-4)
 
 
-@pytest.mark.parametrize(
-    ("block", "velocity", "timing"), [(block_a(), 0.698343, 0.611518), (block_b(), 0.461962, 0.823083)]
-)
-def test_critical_double_impulse_of_nabeshima(
-    block, velocity, timing
-):  # VALIDATION V4 (P): doi 10.3389/fbuil.2016.00009
-    kick = block.p**2 * np.cos(block.alpha_c) / G * velocity
-    first = recorded_response(block, np.zeros(20000), 1e-4, initial_velocity=kick, history=True)
-    impact = first_crossing(first)
-    assert impact == pytest.approx(timing, abs=1e-6)
-    second = (1.0 + block.restitution) * kick  # right after the impact, the second impulse on top
-    spread = 2e-6  # the printed velocity has six digits
-    below, above = (
-        recorded_response(block, np.zeros(2), 0.01, initial_velocity=second * factor)
-        for factor in (1.0 - spread, 1.0 + spread)
-    )
-    assert (below.outcome, above.outcome) == (Outcome.ROCKS, Outcome.OVERTURNS)
-
-
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_uplift_is_strictly_above_the_threshold_and_away_from_the_push(equation):
     block = Block.from_parameters(p=2.0, alpha=0.25, restitution=0.9, gravity=8.0)  # powers of two: exact thresholds
@@ -147,25 +128,6 @@ def test_block_driven_back_too_fast_overturns_on_the_other_side(equation):
     assert response.overturning_time == pytest.approx(
         marched.overturning_time, abs=1e-9 if equation == "nonlinear" else 2e-3
     )
-
-
-def test_lanes_are_those_of_single_calls():
-    blocks = Block(half_width=[0.2, 0.35, 0.5], half_height=2.0, gravity=G)
-    record = synthetic(8, peak=3.0)
-    factors = np.array([0.0, 0.6, 1.3])
-    lanes = recorded_response(blocks, record, 0.01, scale=factors, history=True)
-    assert lanes.peak_rotation_ratio.shape == (3, 3)
-    assert lanes.rotation.shape == (3, 3, record.size)
-    for i, factor in enumerate(factors):
-        for j, half_width in enumerate((0.2, 0.35, 0.5)):
-            single = recorded_response(
-                Block(half_width=half_width, half_height=2.0, gravity=G), record, 0.01, scale=factor, history=True
-            )
-            assert single.peak_rotation_ratio == lanes.peak_rotation_ratio[i, j]
-            assert np.array_equal(single.rotation, lanes.rotation[i, j], equal_nan=True)
-    assert np.all(lanes.outcome[0] == Outcome.AT_REST)
-    assert recorded_response(blocks, record, 0.01).outcome.shape == (3,)
-    assert recorded_response(Block(0.4, 4.0), record, 0.01, scale=factors).outcome.shape == (3,)
 
 
 def test_history_after_overturning_is_nan_and_before_it_is_not():

@@ -12,7 +12,7 @@ from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import ALL_MODELS
-from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
+from rockpulse.models import Block, ImpulseSequence, resonance, resonance_critical_scale, sequence_response
 from rockpulse.studies.site.calibration import design_of
 
 SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
@@ -42,9 +42,8 @@ def test_the_answers_are_those_of_the_models(tree):
 
 def test_safety_factors_are_on_the_sequence(tree):
     summary = tree["summary"].to_dataset().isel(record=0)
-    np.testing.assert_allclose(
-        summary["safety_factor"].sel(model="resonance"), resonance_safety(LANES, 0.35, 4, 12.0), rtol=1e-9
-    )
+    resonant = resonance_critical_scale(LANES, SEQUENCE).safety_factor
+    np.testing.assert_allclose(summary["safety_factor"].sel(model="resonance"), resonant, rtol=1e-9)
     factors = summary["safety_factor"].sel(model="sequence").values
     for block, factor in zip(BLOCKS.values(), factors, strict=True):
         assert sequence_response(block, SEQUENCE.scaled(factor)).outcome == 2

@@ -15,11 +15,7 @@ from laboratory.accuracy.model_form import (
     model_form_table,
     synthetic_records,
 )
-from laboratory.ensemble import blocks
 from rocking.response import Outcome
-from rockpulse.assessment.scene import scene_of_record
-from rockpulse.config.configuration import Config
-from rockpulse.model_table import MODELS
 
 pytestmark = pytest.mark.slow
 
@@ -95,11 +91,6 @@ def test_false_alarms_at_a_share_of_missed_overturnings():
     assert found["auc"] == pytest.approx(57 / 80)
 
 
-@pytest.fixture(scope="module")
-def lanes():
-    return model_form_lanes("synthetic", synthetic_records(7, 1)[0], scales=(0.5, 1.0))
-
-
 @pytest.mark.slow
 def test_a_factor_is_the_same_as_a_stronger_record():
     """Half-waves, phase and sequence of the scaled scene are those that the scaled record would have given."""
@@ -110,12 +101,3 @@ def test_a_factor_is_the_same_as_a_stronger_record():
     for model in COMPARED:
         assert (scaled[f"outcome {model}"] == direct[f"outcome {model}"]).all(), model
         np.testing.assert_allclose(scaled[f"peak {model}"], direct[f"peak {model}"], rtol=1e-6)
-
-
-def test_the_models_are_those_of_an_assessment(lanes):
-    scene = scene_of_record(synthetic_records(7, 1)[0], Config())
-    for model in (*COMPARED, JUDGE):
-        expected = MODELS[model].respond(blocks(), scene)
-        whole = lanes[lanes["scale"] == 1.0]
-        np.testing.assert_array_equal(whole[f"outcome {model}"], expected.outcome)
-        np.testing.assert_array_equal(whole[f"peak {model}"], expected.peak_rotation_ratio)

@@ -174,15 +174,6 @@ def test_a_duration_that_does_not_bind_gives_the_endless_peak(coarse):
     assert bool((coarse["duration_binds"] == 0).where(over, True).all())
 
 
-def test_start_and_middle_are_flagged_where_the_march_leaves_the_ground_behind(coarse):
-    contact = coarse["ground_contact"].sel(intermediate_count=2) == 1
-    share = coarse["secondary_ratio"]
-    assert not bool(contact.sel(spacing=["end", "open"]).any())
-    assert not bool(contact.sel(spacing="start").where(share < 2.0 / 3.0, False).any())
-    assert not bool(contact.sel(spacing="middle").where(share < 6.0 / 7.0, False).any())
-    assert bool(contact.sel(spacing="start").where(share > 0.75, True).all())
-
-
 def test_peaks_that_no_block_can_have_are_flagged_and_reported(coarse):
     """A block beyond alpha_c does not come back, but the closed form of "start" has roots on motions that do."""
     tree = figure4([0.9], [0.5], [0.2, 0.4, 0.6, 0.9], [2, 20])[0]

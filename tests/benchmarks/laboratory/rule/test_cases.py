@@ -9,7 +9,7 @@ import pytest
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, blocks, strong_motions
 from laboratory.rule import truth
-from laboratory.rule.cases import motion_cases
+from laboratory.rule.judgement import motion_cases
 from laboratory.rule.measures import COUNTS, ISHIYAMA, ishiyama_velocity, other_measures
 from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
 from rocking import Block, Uncertainty, critical_scale
@@ -101,16 +101,6 @@ def motion():
     time = np.arange(0.0, 8.0, 0.01)
     samples = 3.0 * np.sin(4.0 * time) * np.exp(-0.2 * time)
     return rp.Record(samples, dt=0.01, id="motion", processed=True)
-
-
-def test_ishiyamas_root_is_housners_speed_of_a_rectangle():
-    # VALIDATION V26: an identity.
-    expected = 2.0 * BODIES.gravity * np.sin(0.5 * BODIES.alpha_c) / (BODIES.p * np.cos(BODIES.alpha_c))
-    assert ishiyama_velocity(BODIES) == pytest.approx(expected, rel=1e-12)
-    by_radius = np.sqrt(8.0 * BODIES.gravity * BODIES.radius * (1.0 - np.cos(BODIES.alpha_c)) / 3.0) / np.cos(
-        BODIES.alpha_c
-    )
-    assert ishiyama_velocity(BODIES) == pytest.approx(by_radius, rel=1e-12)
 
 
 def test_every_measure_is_proportional_to_the_record():

@@ -9,8 +9,7 @@ import pytest
 import rockpulse as rp
 from laboratory.ensemble import strong_motions
 from laboratory.rule.__main__ import overview, rule_text
-from laboratory.rule.cases import motion_cases
-from laboratory.rule.judgement import fit_rules, judge_rules, too_few
+from laboratory.rule.judgement import fit_rules, judge_rules, motion_cases, too_few
 from laboratory.rule.measures import MEASURES
 from rockpulse.sequences.rule import POINTS, Rule, load_rule
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import beta, norm, t
 
-from laboratory.site.judgement import Site, judge, share_interval
-from laboratory.site.records import BODIES
+from laboratory.site.judgement import BODIES, Site, judge, share_interval
 from rocking.body.limits import RATES
 from rockpulse.storage.variables.probability import RESTITUTIONS
 
