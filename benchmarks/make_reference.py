@@ -122,28 +122,9 @@ def row(case: Case) -> list[object]:
     exact = respond(*given)
     lowered = respond(*given, restitution_factor=ONE - PERTURBATION)
     scaled = respond(*given, record_factor=ONE + PERTURBATION)
-    return [
-        case.name,
-        case.motion,
-        motion_sha256(case.acceleration),
-        case.dt,
-        case.scale,
-        case.equation,
-        case.p,
-        case.alpha,
-        case.restitution,
-        STANDARD_GRAVITY,
-        text(exact.peak),
-        exact.outcome,
-        exact.overturning_time,
-        exact.impacts,
-        text(lowered.peak),
-        lowered.outcome,
-        lowered.impacts,
-        text(scaled.peak),
-        scaled.outcome,
-        scaled.impacts,
-    ]
+    named = case.name, case.motion, motion_sha256(case.acceleration), *case[3:], STANDARD_GRAVITY
+    changed = [value for one in (lowered, scaled) for value in (text(one.peak), one.outcome, one.impacts)]
+    return [*named, text(exact.peak), exact.outcome, exact.overturning_time, exact.impacts, *changed]
 
 
 def text(peak: Real) -> str:

@@ -156,13 +156,12 @@ def many_lanes(runs: int) -> None:
 
 
 FIRST_CALLS = """
-import logging, sys, time
+import logging, time
 logging.disable(logging.WARNING)
 import numpy as np
 from rockpulse import models
 block = models.Block(half_width=0.5, half_height=2.0)
 motion = 5.0 * np.sin(0.06 * np.arange(500))
-clock = time.perf_counter if sys.argv[1] == "wall" else time.process_time
 calls = {
     "recorded": lambda: [models.recorded_response(block, motion, 0.01, e) for e in ("linear", "nonlinear")],
     "impulsive": lambda: models.impulsive_response(block, [0.0, 0.5], [0.3, -0.3]),
@@ -172,7 +171,7 @@ calls = {
 for name in ("recorded_response", "impulsive_response", "sequence_response", "resonance"):
     getattr(models, name)  # imports numba and the kernels' modules: no part of compiling them
 for name, call in calls.items():
-    start = clock(); call(); print(name, clock() - start)
+    start = time.process_time(); call(); print(name, time.process_time() - start)
 """
 
 
@@ -182,7 +181,7 @@ def compile_time() -> None:
         environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
         for state in ("compiled", "from cache"):
             done = subprocess.run(
-                [sys.executable, "-c", FIRST_CALLS, "process"],
+                [sys.executable, "-c", FIRST_CALLS],
                 env=environment,
                 capture_output=True,
                 text=True,
