@@ -89,28 +89,20 @@ def bootstrap_interval(
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
     (Hesterberg 2015, sections 3.2 and 4.4, doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one
     value each, the bootstrap variance of their mean is on average 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true
-    variance, and f + 1 = 1/sum s^2 is their effective number, at least 2. The limits are NaN without finite values, and
-    infinite if the share of infinite resamples exceeds the upper tail.
+    variance, and f + 1 = 1/sum s^2 is their effective number, at least 2. The limits are NaN without finite values or
+    for a single earthquake, and infinite if the share of infinite resamples exceeds the upper tail.
     """
-    correction, student = _few_earthquakes(sizes, confidence)
-    known = resampled[np.isfinite(resampled)]
-    if known.size < 2 or not np.isfinite(estimate):
-        return math.nan, math.nan
-    half = student * np.sqrt(correction) * float(np.std(known))
-    unbounded = np.mean(np.isinf(resampled)) > 0.5 * (1.0 - confidence)
-    return float(estimate - half), math.inf if unbounded else float(estimate + half)
-
-
-def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
-    """Return the factor c that corrects a bootstrap variance, and Student's t; both are NaN for a single earthquake."""
     from scipy.stats import t
 
-    shares = sizes[sizes > 0.0] / np.sum(sizes)
-    if shares.size < 2:
+    shares, known = sizes[sizes > 0.0] / np.sum(sizes), resampled[np.isfinite(resampled)]
+    if shares.size < 2 or known.size < 2 or not np.isfinite(estimate):
         return math.nan, math.nan
     square = float(np.sum(shares**2))
     correction = 1.0 / (1.0 - 2.0 * float(np.sum(shares**3)) / square + square)
-    return correction, float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
+    student = float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
+    half = student * np.sqrt(correction) * float(np.std(known))
+    unbounded = np.mean(np.isinf(resampled)) > 0.5 * (1.0 - confidence)
+    return float(estimate - half), math.inf if unbounded else float(estimate + half)
 
 
 class Quantiles(NamedTuple):

@@ -24,26 +24,6 @@ class Everything(Section):
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "stored"),
-    [
-        ("words", "a", "a"),
-        ("list", ["a", "b"], ("a", "b")),
-        ("flag", True, True),
-        ("one", "green", "green"),
-        ("one", 3, 3),
-        ("some", ["blue", "red"], ("red", "blue")),
-        ("number", 1, 1.0),
-        ("number", None, None),
-        ("count", 10, 10),
-    ],
-)
-def test_an_allowed_value_is_stored_in_its_type(key, value, stored):
-    found = Everything(**{key: value})[key]
-    assert found == stored
-    assert type(found) is type(stored)
-
-
-@pytest.mark.parametrize(
     ("key", "value", "message"),
     [
         ("words", 1, "expected a text, found 1"),

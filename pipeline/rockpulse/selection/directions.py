@@ -24,7 +24,6 @@ from rockpulse.selection.twins import (
     compared,
     component_comparisons,
     copy_candidates,
-    partners,
     uneven_partners,
 )
 from rockpulse.warning_text import WarningText
@@ -88,13 +87,12 @@ def plan_motions(
     channels have the same scale factor. `twins` are the rejected duplicates, with which accepted records are compared.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
+    pairs, alone = find_pairs(horizontal)
+    partner = {id(one): other for pair in pairs for one, other in (pair.channels, pair.channels[::-1])}
     if config.records.components == "horizontal":
         planned = [PlannedMotion(record.id, (record,)) for record in horizontal]
     else:
-        pairs, alone = find_pairs(horizontal)
-        paired = {id(channel) for pair in pairs for channel in pair.channels}
-        lone = [record for record in horizontal if id(record) not in paired]
-        facing = [_facing(record, config.records.azimuth) for record in lone]
+        facing = [_facing(record, config.records.azimuth) for record in horizontal if id(record) not in partner]
         failures += [row for row, one in zip(alone, facing, strict=True) if one is None]
         names = _copies([pair_id(pair) for pair in pairs])
         rotated = _copies([rotated_id(pair.first, 0.0) for pair in pairs])
@@ -105,9 +103,9 @@ def plan_motions(
         place = {id(record): number for number, record in enumerate(horizontal)}
         planned += [one for one in facing if one is not None]
         planned.sort(key=lambda one: place[id(one.channels[0])])
-    planned = _with_comparisons(planned, horizontal, twins)
+    planned = _with_comparisons(planned, horizontal, partner, twins)
     if any(one.selection is None for one in config.demands):
-        planned = _with_partners(planned, horizontal)
+        planned = [one if one.rotated else _with_partner(one, partner.get(id(one.channels[0]))) for one in planned]
     if not config.records.include_vertical:
         return planned, failures
     verticals = Neighbours([record for record in records if record.orientation == "vertical"])
@@ -171,14 +169,13 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
 
 
 def _with_comparisons(
-    planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
+    planned: Iterable[PlannedMotion], horizontal: Sequence[Record], partner: dict[int, Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
     """Add to each record to be assessed the other records with which its channels are compared."""
     by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         by_id[twin.accepted.id].append(twin)
-    partner, clocks, copies = partners(horizontal), clock_candidates(horizontal), copy_candidates(horizontal)
-    found = []
+    clocks, copies, found = clock_candidates(horizontal), copy_candidates(horizontal), []
     near = partner | uneven_partners(horizontal, partner)
     for one in planned:
         comparisons = list(component_comparisons(one.channels, near))
@@ -203,16 +200,11 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     return PlannedMotion(record.id, (record,), warnings=(warning,))
 
 
-def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Add the second channel of a recording, or a warning that it is missing, to each channel; pairs stay unchanged."""
-    partner = partners(horizontal)
+def _with_partner(planned: PlannedMotion, other: Record | None) -> PlannedMotion:
+    if other is not None:
+        return replace(planned, partner=other)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
-    found = []
-    for one in planned:
-        other = partner.get(id(one.channels[0]))
-        warnings = one.warnings if other is not None else (*one.warnings, alone)
-        found.append(one if one.rotated else replace(one, partner=other, warnings=warnings))
-    return found
+    return replace(planned, warnings=(*planned.warnings, alone))
 
 
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:

@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.errors import Failure
 from rockpulse.readers.kit.channel import SIGNS
-from rockpulse.record.components import concurrent, find_pairs, instrument, offset, sensor_level
+from rockpulse.record.components import concurrent, instrument, offset, sensor_level
 from rockpulse.record.defects import deciding, with_defects
 from rockpulse.record.record import Record, id_matches, outline_of
 from rockpulse.warning_text import WarningText, find
@@ -209,11 +209,6 @@ def _between(one: Record, other: Record) -> float:
     """Return the angle between the axes of two channels [degrees], from 0 to 90; 90 if an azimuth is unknown."""
     between = one.azimuth - other.azimuth
     return abs(math.remainder(between, 180.0)) if math.isfinite(between) else 90.0
-
-
-def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return the other channel of the pair of each horizontal channel, by ``id(channel)``."""
-    return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:

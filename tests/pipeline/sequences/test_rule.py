@@ -126,18 +126,15 @@ def test_the_spectrum_of_the_rule_is_its_demand():
     [
         ("balanced = 1", r"key factor of \[balanced\]"),
         ("[balanced]\nfactor = -1.0", "positive"),
-        ("[balanced]\nfactor = inf", "positive"),
         ("[balanced", "not valid TOML"),
         ("[conservative]\nfactor = 1.0", r"key factor of \[balanced\]"),
         ("[balanced]\nfactor = 1.0", r"\[range\]"),
         ("[range]\np = [2.0, 1.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
         ("[range]\nq = [1.0, 2.0]\n[balanced]\nfactor = 1.0", "slenderness"),
-        ("[range]\n[balanced]\nfactor = 1.0", "slenderness"),
         (
             "[range]\np = 1.0\n[balanced]\nfactor = 1.0",
             r"\[range\] p: expected two numbers \[lowest, highest\], got 1.0",
         ),
-        ("[range]\np = [1, 2.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
     ],
 )
 def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):

@@ -134,6 +134,8 @@ def motion_capacity(
     pair = Pair(*motion.channels) if len(motion.channels) == 2 else None
     qualities = record_qualities(scene)
     facts = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+    if settings.data != "ida":
+        facts["weight"] = _amounts(record.id, config, selection)[1]
     rows: list[dict[str, Any]] = []
     for reverse in (False, True) if np.any(np.asarray(lanes.block.side)) else (False,):
         found: dict[str, np.ndarray] = {}
@@ -150,7 +152,7 @@ def motion_capacity(
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array
         named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
-        rows.append({**found, **_weights(record.id, config, selection), **named, **facts})
+        rows.append({**found, **named, **facts})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -175,21 +177,13 @@ def _reversed(scene: Scene) -> Scene:
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
-def _stripes(config: Config, selection: SelectedRecords | None) -> int:
-    """Return the number of scale factors that are applied to each record."""
+def _amounts(record: str, config: Config, selection: SelectedRecords | None) -> np.ndarray:
+    """Return (2, r): the scale factors, or levels of the stripe measure, that apply to a record, and their weights."""
     if selection is not None:
-        return selection.most
-    return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
-
-
-def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
-    """Return the array "weight" of the scale factors of a record; no array for an incremental analysis."""
-    if config.fragility.data == "ida":
-        return {}
-    if selection is None:
-        return {"weight": np.ones(_stripes(config, None))}
-    own = [weight for _, weight in selection.rows[record]]
-    return {"weight": np.array(own + [0.0] * (selection.most - len(own)))}
+        own = selection.rows.get(record, ())
+        return np.array([*own, *[(np.nan, 0.0)] * (selection.most - len(own))]).T
+    levels = config.fragility.stripe_levels if config.fragility.data == "stripes" else (1.0,)
+    return np.array([levels, np.ones(len(levels))])
 
 
 def _capacity(
@@ -202,15 +196,11 @@ def _capacity(
         end = min(search.factor_max, settings.factors[1])
         first, step = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
         return {"measures": measures, "factors": first, "step": step}
-    factors = np.ones((1, *block.shape))
+    amounts, by_factor = _amounts(ground.record.id, config, selection)[0], settings.data == "cloud"
     if selection is not None:
-        chosen = [amount for amount, _ in selection.rows[ground.record.id]]
-        amounts = np.array(chosen + [np.nan] * (selection.most - len(chosen)))[:, None]
-        own = 1.0 if selection.by_factor else record_measures(ground, block, (settings.stripe_measure,))
-        factors = np.broadcast_to(amounts / own, (selection.most, *block.shape))
-    elif settings.data == "stripes":
-        own = record_measures(ground, block, (settings.stripe_measure,))
-        factors = np.asarray(settings.stripe_levels)[:, None] / own
+        by_factor = selection.by_factor
+    own = np.ones(1) if by_factor else record_measures(ground, block, (settings.stripe_measure,))
+    factors = np.broadcast_to(amounts[:, np.newaxis] / own, (amounts.size, *block.shape))
     least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
     # Scale factors that need no computation are replaced by zero, which takes no time.
@@ -222,7 +212,7 @@ def empty_capacity(lanes: int, config: Config, selection: SelectedRecords | None
     """Return the arrays of :func:`motion_capacity`, and "event", with no rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
-    stripes = _stripes(config, selection)
+    stripes = _amounts("", config, selection).shape[1]
     part = {
         "measures": np.zeros((0, len(settings.measures), lanes)),
         "qualities": np.zeros((0, len(QUALITIES))),

@@ -9,7 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Self, TypeAlias
+from typing import ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -102,6 +102,10 @@ class PowerLawHazard(_Hazard):
 
     __repr__ = short_repr
 
+    #: Logarithms of the levels at which the log-log slope changes, and range of levels for which the hazard is given.
+    knots: ClassVar[np.ndarray] = np.zeros(0)
+    covered: ClassVar[tuple[float, float]] = (0.0, math.inf)
+
     k0: float
     k: float
     measure: str = PGA
@@ -111,16 +115,6 @@ class PowerLawHazard(_Hazard):
 
     def __post_init__(self) -> None:
         self._check("[hazard]", k0=self.k0, k=self.k)
-
-    @property
-    def knots(self) -> np.ndarray:
-        """Logarithms of the levels at which the log-log slope changes; empty, because the slope is constant."""
-        return np.zeros(0)
-
-    @property
-    def covered(self) -> tuple[float, float]:
-        """Range of levels for which the hazard is given: 0 to infinity for a power law."""
-        return 0.0, math.inf
 
     @property
     def words(self) -> str:

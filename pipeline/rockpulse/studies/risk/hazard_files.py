@@ -252,13 +252,10 @@ def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
 
 
 def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
-    first = re.fullmatch(r"(.+?)\s*\[(.+?)\]", heads[0]) if heads else None
-    years = re.fullmatch(r"probability in ([0-9.]+) years?", heads[1].lower()) if len(heads) == 2 else None
-    if (
-        first is None
-        or len(heads) != 2
-        or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", heads[1].lower()))
-    ):
+    known, second_head = len(heads) == 2, heads[-1].lower() if heads else ""
+    first = re.fullmatch(r"(.+?)\s*\[(.+?)\]", heads[0]) if known else None
+    years = re.fullmatch(r"probability in ([0-9.]+) years?", second_head)
+    if first is None or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", second_head)):
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
     second = column_numbers(path, table, heads[1])
     rate = _rates(path, second, float(years[1])) if years else second
@@ -272,9 +269,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
         raise ConfigError(
             f'{path}: expected the column "ag [g]" in addition to the return periods, found {", ".join(heads)}'
         )
-    period, level = column_numbers(path, table, heads[0]), column_numbers(path, table, heads[named["ag"]])
-    if np.any(period <= 0.0):
-        raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
+    period, level = column_numbers(path, table, heads[0], above=0.0), column_numbers(path, table, heads[named["ag"]])
     return _Sheet(path, PGA, unit[1].strip(), level, 1.0 / period, rock=True)
 
 
@@ -323,10 +318,8 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {stated['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
-    columns, places = (
-        [place for place, name in enumerate(heads) if name.startswith("poe-")],
-        place_coordinates(path, table),
-    )
+    columns = [place for place, name in enumerate(heads) if name.startswith("poe-")]
+    places = place_coordinates(path, table)
     if not columns or places is None:
         raise ConfigError(f"{path}, line 2: expected lon, lat and poe-LEVEL columns, found {', '.join(heads)}")
     try:

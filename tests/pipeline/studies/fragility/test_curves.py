@@ -11,7 +11,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility import curves
 from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes
-from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, Observations
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
 CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))
@@ -238,31 +238,6 @@ def test_the_first_of_the_events_without_which_there_is_no_curve_is_named(slopes
     assert said == f"no band: without the earthquake {event} there would be no curve"
 
 
-def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
-    level, kind = [3.0, 1.0, 2.0, 1.0], [EXACT, NOT_ABOVE, ABOVE, ABOVE]
-    qualities = np.array([[30.0, 1.0], [11.0, np.nan], [20.0, 0.0], [10.0, -1.0]])
-    rows = Observations.of(level, kind, ["b", "a", "b", "c"], ["r", "r", "s", "q"], qualities, [4.0, 1.0, 2.0, 1.0])
-    assert rows.level.tolist() == [1.0, 1.0, 2.0, 3.0]
-    assert rows.kind.tolist() == [ABOVE, NOT_ABOVE, ABOVE, EXACT]
-    assert rows.events == ("a", "b", "c")
-    assert rows.cluster.tolist() == [2, 0, 1, 1]
-    assert rows.record.tolist() == [0, 1, 2, 1]
-    assert rows.records == 3
-    assert rows.qualities[:, 0].tolist() == [10.0, 11.0, 20.0, 30.0]
-    assert rows.weight.tolist() == [0.5, 0.5, 1.0, 2.0]
-    assert rows.without_each_event().tolist() == [
-        [0.5, 0.5, 1.0, 2.0],
-        [0.5, 0.0, 1.0, 2.0],
-        [0.5, 0.5, 0.0, 0.0],
-        [0.0, 0.5, 1.0, 2.0],
-    ]
-    kept = rows.only(np.array([True, False, False, True]))
-    assert (kept.level.tolist(), kept.kind.tolist()) == ([1.0, 3.0], [ABOVE, EXACT])
-    assert (kept.events, kept.cluster.tolist(), kept.record.tolist()) == (("b", "c"), [1, 0], [0, 1])
-    assert kept.weight.tolist() == [0.4, 1.6]
-    assert kept.qualities[:, 0].tolist() == [10.0, 30.0]
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -271,8 +246,6 @@ def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
         (lambda: fit_capacities([1.0, 2.0], ["a"]), "one level, kind, event and record per row"),
         (lambda: fit_capacities([1.0, 2.0], model="normal"), "expected one of lognormal, logistic"),
         (lambda: fit_capacities([1.0, 2.0], confidence=1.0), "between 0 and 1"),
-        (lambda: fit_capacities([1.0, 2.0], confidence=0.0), "between 0 and 1"),
-        (lambda: fit_capacities([[1.0, 2.0]]), "positive, finite levels"),
         (lambda: fit_stripes([1.0, 2.0], [1]), "got 2, 1, 2 and 2"),
     ],
 )

@@ -13,7 +13,6 @@ import rockpulse as rp
 from rocking.body.block import Block
 from rockpulse import FragilitySettings
 from rockpulse.config.configuration import Config, SearchSettings
-from rockpulse.errors import ConfigError
 from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
 from rockpulse.studies.fragility.ensemble import fit_ensemble, stored_ensemble
@@ -58,26 +57,6 @@ def test_the_facts_of_each_record_are_stored():
     assert {name: found[name].values[0].item() for name in known} == known
     assert np.isnan(found["epicentral_distance"].values[1])
     assert found["event_id"].values[1] == ""
-
-
-@pytest.mark.slow
-def test_capacity_is_tested_to_depend_on_what_the_files_state(records, tree):
-    magnitudes = {"Kobe": 6.9, "Maule": 8.8, "Izmit": 7.6, "Duzce": np.nan}
-    stated = [replace(record, magnitude=magnitudes[record.event], vs30=300.0) for record in records]
-    found = rp.fragility(stated, options(), BLOCKS)["efficiency"].to_dataset()
-    qualities = ["duration", "period", "strong_half_waves", "strength", "magnitude", "epicentral_distance", "vs30"]
-    assert found["quality"].values.tolist() == qualities
-    assert found["quality_records"].values.tolist() == [6, 6, 6, 6, 5, 0, 6]
-    assert found["quality_events"].values.tolist() == [4, 4, 4, 4, 3, 0, 4]
-    known = np.isfinite(found["pooled_p_value"].sel(limit_state="0.4", measure="velocity_ratio"))
-    assert dict(zip(qualities[4:], known.values[4:].tolist(), strict=True)) == {
-        "magnitude": True,
-        "epicentral_distance": False,  # nobody states it
-        "vs30": False,  # the same for all
-    }
-    others = {"quality": qualities[:4]}
-    before = tree["efficiency"].to_dataset().sel(others)
-    xr.testing.assert_equal(found.sel(others), before)  # a fact of some records changes nothing else
 
 
 def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
@@ -316,19 +295,6 @@ def test_the_schema_names_every_variable(tree, records):
         for group in ("fragility", "capacities", "efficiency"):
             for name in one[group].to_dataset().variables:
                 assert f"`{name}`" in text, (group, name)
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"limit_states": ["uplifts"]}, 'found .*did you mean "uplift"'),
-        ({"limit_states": [0.1, 0.1]}, "each once"),
-        ({"limit_states": [True]}, r"numbers in \(0, 1\]"),
-    ],
-)
-def test_the_section_is_strict(values, message):
-    with pytest.raises(ConfigError, match=message):
-        FragilitySettings(**values)
 
 
 def test_limit_states_are_kept_in_the_order_of_severity():

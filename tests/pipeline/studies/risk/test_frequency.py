@@ -3,7 +3,9 @@
 What bodies that have stood for long say of a hazard.
 """
 
+import importlib.util
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -216,3 +218,21 @@ def test_an_age_leaves_a_largest_frequency():
 def test_what_is_no_age_is_refused(given):
     with pytest.raises(rp.ConfigError, match="age, confidence"):
         rp.standing_test(risk([1.0, 1.0, 1.0]), **given)
+
+
+COVERAGE = Path(__file__).parents[4] / "benchmarks" / "risk_coverage.py"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [0, 1])
+def test_bands_of_fourteen_earthquakes_cover_what_they_say(place):
+    """Between 0.85 and 0.95 at a nominal 0.90, give or take the binomial error of 200 cases, 0.025 at 0.85."""
+    spec = importlib.util.spec_from_file_location("risk_coverage", COVERAGE)
+    benchmark = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(benchmark)
+    assert benchmark.SETTINGS[place][0] == 14
+    bands, low, high, _ = benchmark.coverage(place, cases=200, seed=31)
+    assert bands >= 195
+    inside = 1.0 - (low + high) / bands
+    error = math.sqrt(0.85 * 0.15 / bands)
+    assert 0.85 - 1.64 * error <= inside <= 0.95 + 1.64 * error
