@@ -1,6 +1,7 @@
 """Common parts of the writers: test motions and rows of fields."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -8,6 +9,13 @@ from rockpulse.readers.kit.direction import direction
 
 #: What a format sample says of itself in a free text of its header, cut where the field is shorter.
 NOTE = "FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC"
+
+FORMATS = Path(__file__).parents[2] / "data" / "samples" / "formats"
+
+
+def shipped(name: str) -> bytes:
+    """The content of a format sample as it is committed: the header that others have, too."""
+    return (FORMATS / name).read_bytes()
 
 
 def pulse(count: int = 400, peak: float = 0.3, dt: float = 0.01) -> np.ndarray:

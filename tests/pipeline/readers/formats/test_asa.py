@@ -26,7 +26,7 @@ def test_the_three_channels(write):
     assert (records[1].azimuth, records[2].azimuth) == (90.0, 0.0)
     assert records[1].id == ".CUP5..N90E@20040102T000001"
     assert (records[0].station, records[0].station_name) == ("CUP5", "IDEI PATIO 5")
-    assert records[0].event == "2004/01/01 23:58:02.7 Mb=5.2/Ms=5.8"
+    assert records[0].event == "2004/01/01 23:58:02.7 Mw=7.1"
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "cp850", "mac-roman"])
@@ -147,15 +147,15 @@ def test_spellings_of_the_header(write, before, after):
 
 
 def test_the_facts_of_the_header(write):
-    content = asa(TABLE).split(b"\r\n")
+    content = asa(TABLE).replace(b"/Mw=7.1", b"/Mb=5.2/Ms=5.8").split(b"\r\n")
     soil = next(index for index, line in enumerate(content) if line.startswith(b"TIPO DE SUELO"))
-    content[soil + 1 : soil + 3] = [b" : CON", b" : GRIETAS", b" : Y MAS"]
+    content[soil : soil + 3] = [content[soil] + b" ROCA BASALTICA", b" : CON", b" : GRIETAS", b" : Y MAS"]
     for record in read(write(b"\r\n".join(content))):
         assert record.origin_time == datetime(2004, 1, 1, 23, 58, 2, 700_000, tzinfo=UTC)
         assert (record.magnitude, record.magnitude_type) == (5.8, "Ms")
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (17.3, -101.36)
-        assert (record.station_latitude, record.station_longitude) == (19.33024, -99.181076)
-        assert (record.hypocentre_depth, record.site_class) == (14_000.0, "ROCA BASALTICA CON GRIETAS")
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (35.77, -117.599)
+        assert (record.station_latitude, record.station_longitude) == (35.81574, -117.59751)
+        assert (record.hypocentre_depth, record.site_class) == (8_000.0, "ROCA BASALTICA CON GRIETAS")
 
 
 @pytest.mark.parametrize(
