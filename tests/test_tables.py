@@ -12,35 +12,17 @@ from test_architecture import SOURCES, TOPS, dotted, parsed
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import MEASURES, ROWS
 
-#: Words that are names of models in their own table, and of something else in these modules.
+#: Modules in which words that are names of models in their own table are something else, and what.
 NO_MODEL = {
-    "an input of models, and the equations of the solver, as a row says them": {
-        ("rockpulse.model_row", "sequence"),
-        ("rockpulse.model_row", "linear"),
-        ("rockpulse.model_row", "nonlinear"),
-    },
-    "a section of the configuration": {},
-    "the kind of the motions: records, pairs or the sequence of a site": {
-        ("rockpulse.assessment.answers", "sequence"),
-        ("rockpulse.views.text.verdicts", "sequence"),
-    },
-    "a file that holds a sequence": {("rockpulse.commands.terminal", "sequence")},
-    "a working point of the rule, after which its model is called": {
-        ("rockpulse.sequences.rule", "balanced"),
-        ("rockpulse.sequences.rule", "conservative"),
-    },
-    "the straight line of a baseline correction": {
-        ("rockpulse.config.settings", "linear"),
-        ("rockpulse.record.conditioning", "linear"),
-    },
-    "the equation that a stored case of the selftest is solved with": {
-        ("rockpulse.studies.selftest.baseline", "linear"),
-        ("rockpulse.studies.selftest.baseline", "nonlinear"),
-    },
-    "the method of an overturning spectrum": {
-        ("rockpulse.assessment.spectra", "nonlinear"),
-        ("rockpulse.config.settings", "nonlinear"),
-    },
+    "rockpulse.model_row": {"sequence", "linear", "nonlinear"},  # inputs of models, and equations of the solver
+    "rockpulse.assessment.answers": {"sequence"},  # the kind of the motions: records, pairs or that of a site
+    "rockpulse.views.text.verdicts": {"sequence"},
+    "rockpulse.commands.terminal": {"sequence"},  # a file that holds a sequence
+    "rockpulse.sequences.rule": {"balanced", "conservative"},  # points of the rule, after which models are called
+    "rockpulse.config.settings": {"linear", "nonlinear"},  # a baseline correction, and the method of a spectrum
+    "rockpulse.record.conditioning": {"linear"},
+    "rockpulse.studies.selftest.baseline": {"linear", "nonlinear"},  # equations of a stored case
+    "rockpulse.assessment.spectra": {"nonlinear"},  # the method of an overturning spectrum
 }
 
 #: Measures whose names other things have too: the impulse of a half-wave, and the ratio of the main impulse of a
@@ -76,40 +58,30 @@ def literals(tree, deciding=False):
 
 
 def strays(names, home, allowed, modules=None, deciding=(), foreign=()):
-    """Where names of the rows of a table stand as literals outside of it, and allowances that nothing needs any more.
+    """By modules other than the home of a table the names of its rows that stand there as literals and need not.
 
-    Parameters
-    ----------
-    names : the names of the rows.
-    home : module of the table.
-    allowed : reason why a name stands in another module, with the (module, name) that it holds for.
-    modules : syntax tree of every module, by its dotted name; those of rockpulse by default.
-    deciding : beginnings of modules that may read a stored variable by such a name, but decide nothing by it.
-    foreign : beginnings of modules that have words of their own.
+    Also those that are `allowed` and not there. Modules that begin with `deciding` may read a stored variable by such a
+    name, but decide nothing by it; those that begin with `foreign` have words of their own.
     """
-    excused = set().union(*allowed.values())
-    modules = pipeline() if modules is None else modules
-    places = {
-        (module, node.value): node.lineno
-        for module, tree in modules.items()
+    found = {
+        module: {node.value for node in literals(tree, module.startswith(tuple(deciding)))} & set(names)
+        for module, tree in (modules or pipeline()).items()
         if module != home and not module.startswith(tuple(foreign))
-        for node in literals(tree, deciding=module.startswith(tuple(deciding)))
-        if node.value in names
     }
-    found = [f"{module}:{places[module, name]}: {name!r}" for module, name in sorted(places.keys() - excused)]
-    return found + [f"{module}: {name!r} is allowed and not there" for module, name in sorted(excused - places.keys())]
+    wrong = {module: words ^ allowed.get(module, set()) for module, words in found.items()}
+    return {module: words for module, words in wrong.items() if words}
 
 
 @pytest.mark.sweep
 def test_names_of_models_stand_in_their_table_alone():
-    assert strays({*MODELS}, "rockpulse.model_table", NO_MODEL) == []
+    assert strays({*MODELS}, "rockpulse.model_table", NO_MODEL) == {}
 
 
 @pytest.mark.sweep
 def test_names_of_measures_stand_in_their_table_alone():
     """The views and the page have columns and inputs of measures by their names; below them none."""
     names, views, readers = {*MEASURES, *ROWS} - HOMONYMS, ["rockpulse.views", "rockpulse.app"], ["rockpulse.readers"]
-    assert strays(names, "rockpulse.record.measures", {}, deciding=views, foreign=readers) == []
+    assert strays(names, "rockpulse.record.measures", {}, deciding=views, foreign=readers) == {}
 
 
 @pytest.mark.parametrize(
@@ -135,9 +107,8 @@ def test_the_search_sees_literals_and_what_decides(text, every, decided):
 
 def test_an_allowance_holds_for_one_module_and_name_and_has_to_be_needed():
     modules = {"a.table": ast.parse('ROWS = ("fast", "slow")'), "a.wrong": ast.parse('CHOSEN = "fast"')}
-    excuse = {"a reason": {("a.wrong", "fast")}}
-    assert strays({"fast", "slow"}, "a.table", {}, modules) == ["a.wrong:1: 'fast'"]
-    assert strays({"fast", "slow"}, "a.table", excuse, modules) == []
-    assert strays({"fast", "slow"}, "a.table", {}, modules, foreign=["a.wr"]) == []
-    assert strays({"fast", "slow"}, "a.table", {}, modules, deciding=["a.wr"]) == []
-    assert strays({"slow"}, "a.table", excuse, modules) == ["a.wrong: 'fast' is allowed and not there"]
+    assert strays({"fast", "slow"}, "a.table", {}, modules) == {"a.wrong": {"fast"}}
+    assert strays({"fast", "slow"}, "a.table", {"a.wrong": {"fast"}}, modules) == {}
+    assert strays({"slow"}, "a.table", {"a.wrong": {"fast"}}, modules) == {"a.wrong": {"fast"}}
+    for aside in ("foreign", "deciding"):
+        assert strays({"fast", "slow"}, "a.table", {}, modules, **{aside: ["a.wr"]}) == {}
