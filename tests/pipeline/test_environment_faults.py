@@ -15,10 +15,8 @@ import pytest
 from record_writers import at2, pulse
 
 from rockpulse.cli import main
-from rockpulse.errors import ResultsError
 from rockpulse.files import write_files
 from rockpulse.storage.export.table_file import table_csv
-from rockpulse.storage.hdf5.results_file import checked
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="permissions and signals of POSIX")
 
@@ -39,17 +37,6 @@ def test_a_results_file_that_another_process_holds_is_not_called_truncated(tmp_p
     assert run.returncode == 2
     assert "another process has this file open" in run.stderr
     assert "truncated" not in run.stderr
-
-
-def test_a_lock_is_an_error_of_results(tmp_path, monkeypatch):
-    (tmp_path / "results.h5").write_bytes(b"")
-
-    def held(*_, **__):
-        raise BlockingIOError(errno.EAGAIN, "unable to lock file")
-
-    monkeypatch.setattr(h5py, "File", held)
-    with pytest.raises(ResultsError, match="another process has this file open"), checked(tmp_path / "results.h5"):
-        pass
 
 
 #: Commands that write a file beside the record, and its name.

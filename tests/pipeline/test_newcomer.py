@@ -6,41 +6,34 @@ import rockpulse as rp
 
 
 @pytest.mark.sweep
-def test_a_folder_and_sizes_are_enough_for_an_assessment(golden):
+def test_records_are_a_folder_a_file_or_a_record_and_sizes_are_full(golden, ccc):
     tree = rp.assess(str(golden.records), bodies={"stele": (0.3, 2.4)})
     assert tree["summary"].sizes["record"] == 5
     assert tree["summary"]["width"].values.tolist() == [0.3]
-
-
-@pytest.mark.sweep
-def test_a_file_and_a_record_are_records(golden):
     path = sorted(golden.records.iterdir())[0]
     bodies = {"stele": rp.Block(0.3, 2.4)}
     by_path, by_record = rp.assess(path, bodies=bodies), rp.assess(rp.read(path)[0], bodies=bodies)
     assert by_path["summary"]["pga"].item() == by_record["summary"]["pga"].item()
+    tree = rp.assess(ccc[0], bodies=rp.Block(0.5, 3.0))
+    assert (tree["summary"]["width"].item(), tree["summary"]["height"].item()) == (0.5, 3.0)
 
 
 @pytest.mark.sweep
-def test_the_studies_take_paths_and_the_path_of_a_configuration(golden):
-    config = golden.config
-    site = rp.calibrate(golden.records, config=config)
-    assert site["site"].sizes["block"] == 2
-    curves = rp.fragility(golden.records, config=config)
-    assert curves["fragility"].sizes["block"] == 2
-    assert rp.check(config=config).sizes["block"] == 2
-
-
-@pytest.mark.sweep
-def test_risk_takes_the_file_of_a_fragility(golden):
-    law = rp.PowerLawHazard(k0=1e-4, k=2.5)
-    by_path, by_tree = rp.risk(golden.fragility, law, resamples=0), rp.risk(rp.load(golden.fragility), law, resamples=0)
+def test_studies_take_paths_of_records_configurations_results_and_hazards(golden, tmp_path, monkeypatch):
+    assert rp.calibrate(golden.records, config=golden.config)["site"].sizes["block"] == 2
+    assert rp.fragility(golden.records, config=golden.config)["fragility"].sizes["block"] == 2
+    assert rp.check(config=golden.config).sizes["block"] == 2
+    assert rp.check(golden.results, code="en_1998")["probability"].notnull().all()
+    curve = tmp_path / "hazard.csv"
+    curve.write_text("pga [g],rate\n0.05,0.05\n0.2,0.005\n1.0,0.00005\n")
+    by_path = rp.risk(golden.fragility, curve, resamples=0, years=100)
+    by_tree = rp.risk(rp.load(golden.fragility), rp.load_hazard(curve), resamples=0)
     assert by_path["frequency"].equals(by_tree["frequency"])
-
-
-@pytest.mark.sweep
-def test_a_report_and_a_picture_take_the_file_of_results(golden, tmp_path):
-    assert rp.report(golden.results, tmp_path / "report.html").stat().st_size > 0
+    assert rp.risk(golden.fragility, resamples=0).attrs["hazard"].startswith("power law")  # [hazard] of the fragility
     assert rp.plot(rp.load(golden.results)) is not None
+    assert rp.plot(golden.results, "critical-scale", block="pier", model="nonlinear") is not None
+    monkeypatch.chdir(tmp_path)
+    assert rp.report(golden.results, config=golden.config).name == "report.html"
 
 
 def test_a_record_has_its_own_sequence(ccc):
@@ -51,7 +44,7 @@ def test_a_record_has_its_own_sequence(ccc):
 
 @pytest.mark.parametrize(
     ("typed", "meant"),
-    [("Assess", "assess"), ("overturning_spectra", "overturning_spectrum"), ("calibrat", "calibrate")],
+    [("Assess", "assess"), ("overturning_spectra", "overturning_spectrum")],
 )
 def test_a_misspelt_name_is_answered_with_the_nearest_one(typed, meant):
     with pytest.raises(AttributeError, match=f"did you mean '{meant}'"):
@@ -64,26 +57,6 @@ def test_a_folder_is_read_whole(golden, tmp_path):
     assert [record.id for record in records] == [record.id for record in rp.read_all(golden.records)[0]]
     with pytest.raises(rp.RecordRefused, match="no record in the folder"):
         rp.read(tmp_path)
-
-
-@pytest.mark.sweep
-def test_one_block_is_enough_and_its_sizes_are_full(ccc):
-    tree = rp.assess(ccc[0], bodies=rp.Block(0.5, 3.0))
-    assert (tree["summary"]["width"].item(), tree["summary"]["height"].item()) == (0.5, 3.0)
-    assert len(rp.assess(ccc[0], bodies=rp.Block(0.5, 3.0), all_models=True)["summary"]["model"]) > 4
-
-
-@pytest.mark.sweep
-def test_the_verbs_take_paths_of_results_and_of_a_hazard(golden, tmp_path, monkeypatch):
-    curve = tmp_path / "hazard.csv"
-    curve.write_text("pga [g],rate\n0.05,0.05\n0.2,0.005\n1.0,0.00005\n")
-    found = rp.risk(golden.fragility, curve, resamples=0, years=100)
-    assert found["frequency"].equals(rp.risk(golden.fragility, rp.load_hazard(curve), resamples=0)["frequency"])
-    assert rp.risk(golden.fragility, resamples=0).attrs["hazard"].startswith("power law")  # [hazard] of the fragility
-    assert rp.check(golden.results, code="en_1998")["probability"].notnull().all()
-    assert rp.plot(golden.results, "critical-scale", block="pier", model="nonlinear") is not None
-    monkeypatch.chdir(tmp_path)
-    assert rp.report(golden.results, config=golden.config).name == "report.html"
 
 
 @pytest.mark.sweep
@@ -101,7 +74,6 @@ def test_two_results_are_compared_by_path_or_in_memory(golden, ccc):
         (lambda: rp.DemandSettings("SLV", measure="PGA", value=3.0), "pga"),
         (lambda: rp.HazardSettings(k0=1e-4, k=2.0, measure="SI"), "si"),
         (lambda: rp.FragilitySettings(measures=["PGV"]), "pgv"),
-        (lambda: rp.FragilitySettings(stripe_measure="velocity-ratio"), "velocity_ratio"),
         (lambda: rp.PowerLawHazard(1e-4, 2.0, "Sa_1"), "sa_1"),
         (lambda: rp.CalibrationSettings(scale_to="PGV"), "pgv"),
     ],

@@ -7,7 +7,9 @@ import numpy as np
 
 from rockpulse.readers.kit.direction import direction
 
-#: What a format sample says of itself in a free text of its header, cut where the field is shorter.
+#: What a format sample says of itself in a free text of its header, cut where the field is shorter. The headers have
+#: the earthquake as in the catalogue of the USGS (ci38457511): 2019-07-06 03:19:53.04 UTC, 35.770 N 117.599 W,
+#: 8.0 km deep, Mw 7.1; the station CLC stands at 35.81574 N 117.59751 W.
 NOTE = "FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC"
 
 FORMATS = Path(__file__).parents[2] / "data" / "samples" / "formats"
@@ -23,19 +25,6 @@ def pulse(count: int = 400, peak: float = 0.3, dt: float = 0.01) -> np.ndarray:
     time = dt * np.arange(count)
     wave = np.exp(-time) * np.sin(4.0 * np.pi * time)
     return peak * wave / np.max(np.abs(wave))
-
-
-def retold(content: bytes, *pairs: tuple[str, str]) -> bytes:
-    """The content of a file with texts of its header replaced, each wherever it stands; a KeyError where one is not.
-
-    The samples tell the earthquake of their motion, as the catalogue of the USGS has it (ci38457511): 2019-07-06
-    03:19:53.04 UTC, 35.770 N 117.599 W, 8.0 km deep, Mw 7.1; the station CLC stands at 35.81574 N 117.59751 W.
-    """
-    for before, after in pairs:
-        if before.encode() not in content:
-            raise KeyError(before)
-        content = content.replace(before.encode(), after.encode())
-    return content
 
 
 def peak_time(values: Sequence[float], dt: float = 1.0, first: float = 0.0) -> float:

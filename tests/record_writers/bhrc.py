@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -35,13 +35,13 @@ def bhrc(
         lines += [
             "* VOL1DS FILE:  5520/01",
             "Inst Type = SSA-2",
-            "Origin Time : 2012/08/11   12:23:16",
+            "Origin Time : 2019/07/06   03:19:53",
             "",
             letter,
             note.ljust(70),
             f"COMP {letter}{number}".ljust(70),
-            f"{station:26s}Station   38.474 N 47.059 E   Altitude 1360m   {azimuths}",
-            "Epicenter 38.520 N 46.860 E   FD 12 Km mb      Ms      Mw6.1   M        ML   (BHRC   )",
+            f"{station:26s}Station   35.816 N 117.598 W   Altitude 1360m   {azimuths}",
+            "Epicenter 35.770 N 117.599 W   FD 8 Km mb      Ms      Mw7.1   M        ML   (BHRC   )",
             "INSTR PERIOD =  .019 SEC   DAMPING =  .640".ljust(70),
             f"NO. OF POINTS = {points:6d}      DURATION ={points * dt:8.3f}".ljust(70),
             unit,
@@ -59,11 +59,4 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels."""
     east, north, up = (10.0 * channel.acceleration / STANDARD_GRAVITY for channel in channels)
     content = bhrc([east, up, north], channels[0].dt, "Azimuth L 90    T 360", NOTE, "CHINA LAKE")
-    content = retold(
-        content,
-        ("2012/08/11   12:23:16", "2019/07/06   03:19:53"),
-        ("38.474 N 47.059 E", "35.816 N 117.598 W"),
-        ("38.520 N 46.860 E   FD 12 Km", "35.770 N 117.599 W   FD 8 Km"),
-        ("Mw6.1", "Mw7.1"),
-    )
     return {"clc_bhrc.V1": content}

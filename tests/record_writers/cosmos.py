@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 NULL = -999
@@ -56,12 +56,12 @@ def cosmos(
     across, width = (5, 15) if wide_reals else (6, 13)
     whole, part = [NULL] * 100, [float(NULL)] * 100
     peak = int(np.argmax(np.abs(values)))
-    data = [series(values, dt, **how)] if sections is None else sections  # type: ignore[arg-type]
+    data = [series(values, dt, **how)] if sections is None else sections
     peak_unit = data[0][0].partition("units=")[2].partition("(")[0].strip(" .") if data else "g"
     for given, target in (
         ({1: 1, 2: 1, 3: 2, 4: 120, 8: 23837, 11: 5, 19: site, 40: start.year, 41: 241, 42: start.month}, whole),
         ({43: start.day, 44: start.hour, 45: start.minute, 46: 5, 50: number, 54: azimuth}, whole),
-        ({1: 34.0625, 2: -117.785, 30: start.second + 1e-6 * start.microsecond, 32: -8.0, 34: dt}, part),
+        ({1: 35.81574, 2: -117.59751, 30: start.second + 1e-6 * start.microsecond, 32: -8.0, 34: dt}, part),
         ({62: 1e3 * dt, 63: len(values) * dt, 64: values[peak], 65: peak * dt}, part),
         (integers, whole),
         (reals, part),
@@ -74,7 +74,7 @@ def cosmos(
         "Hypocenter: To be determined    H=   km       ML=     Mw=",
         "Origin: To be determined",
         f"Statn No: 05- 23837 Code:{station_code:<9} CGS  {station}",
-        "Coords: 34.063  -117.785   Site geology:",
+        "Coords: 35.816  -117.598   Site geology:",
         "Recorder: Etna   s/n 1193 ( 3 Chns of   3 at Sta) Sensor: FBA",
         f"Rcrd start time: {start.month}/{start.day}/{start.year}, {start:%H:%M}:{start.second:5.2f} UTC (Q=5)",
         f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})" + (f" Location: {place}" if place else ""),
@@ -99,13 +99,12 @@ def counts(values: Sequence[int], reals: Mapping[int, float] = {}, **how: object
     gain = {22: 0.298024, 42: 1.25, 43: 2.5, 44: 2.0, 47: 1.0}
     section = series(values, how.get("dt", 0.005), "raw accel.  ", " counts", "(50),", "(10I8)", "{:8d}", 10)
     given = {"kind": "Raw acceleration counts", "wide_reals": True, "integers": {52: 20}, "sections": [section]} | how
-    return cosmos(values, reals=gain | dict(reals), **given)  # type: ignore[arg-type]
+    return cosmos(values, reals=gain | dict(reals), **given)
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Volume 1 with three channels, volume 2 with velocity and displacement, volume 0 with a gain."""
     start = channels[0].start_time
-    assert start is not None
     common = {"start": start, "event": NOTE, "station_code": "CI-CLC", "station": "China Lake", "dt": 0.01}
     directions = (("90 deg", 90, "HNE"), ("360 deg", 360, "HNN"), (" Up    ", 400, "HNZ"))
     volume1 = b"".join(
@@ -115,7 +114,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             component=component,
             azimuth=azimuth,
             comments=(f"<SCNL>CLC.{code}.CI.--", NOTE),
-            **common,  # type: ignore[arg-type]
+            **common,
         )
         for number, (channel, (component, azimuth, code)) in enumerate(zip(channels, directions, strict=True), start=1)
     )
@@ -130,13 +129,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     sections = [series(v, 0.01, what, unit, code, "(8f10.4)", "{:10.4f}") for what, unit, code, v in names]
     comments = ("<SCNL>CLC.HNE.CI.--", NOTE)
     east_of = {"component": "90 deg", "azimuth": 90, "comments": comments, **common}
-    volume2 = cosmos(east, kind="Corrected acceleration", sections=sections, **east_of)  # type: ignore[arg-type]
+    volume2 = cosmos(east, kind="Corrected acceleration", sections=sections, **east_of)
     raw = np.round(channels[0].acceleration / STANDARD_GRAVITY * 1.25 / 0.298024e-6).astype(int)
-    volume0 = counts(raw, **east_of)  # type: ignore[arg-type]
-    told = (
-        ("Coords: 34.063  -117.785", "Coords: 35.816  -117.598"),
-        ("34.062500", "35.815740"),
-        ("-117.785000", "-117.597510"),
-    )
-    files = {"clc_cosmos.V1C": volume1, "clc_cosmos.V2": volume2, "clc_cosmos.V0C": volume0}
-    return {name: retold(content, *told) for name, content in files.items()}
+    volume0 = counts(raw, **east_of)
+    return {"clc_cosmos.V1C": volume1, "clc_cosmos.V2": volume2, "clc_cosmos.V0C": volume0}

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, azimuth_code, peak_time, retold, rows
+from record_writers._shared import NOTE, azimuth_code, peak_time, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -26,11 +26,11 @@ def _csmip_header(
         note,
         "JANUARY 17, 1994 04:31 PST",
         f"14403-S3492-94021.02               TRIGGER TIME: {start}",
-        "STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492",
+        "STATION NO. 14403   35.816N, 117.598W     SMA-1  S/N 3492",
         "TEST STATION",
         f"CHAN {number:2d}: {component}{location}",
         "TEST EARTHQUAKE     JANUARY 17, 1994 04:31 PST",
-        "HYPOCENTER: 34.215N, 118.538W, H=18KM.",
+        "HYPOCENTER: 35.770N, 117.599W, H=8KM. MW=7.1",
         "INSTR PERIOD =  .0397 SEC,  DAMPING =  .592,  SENSITIVITY = 1.77 CM/G.",
         f"NO. OF POINTS = {count:6d}  RECORD LENGTH ={length:7.3f} SEC",
         unit_line,
@@ -93,16 +93,10 @@ def csmip_equal(
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels in each layout."""
-    moment = channels[0].start_time
-    assert moment is not None
-    start = f"{moment:%m/%d/%y, %H:%M:%S}.0 UTC"
+    start = "07/06/19, 03:19:58.0 UTC"
     old, new = b"", b""
     for number, (channel, component) in enumerate(zip(channels, ("090 DEG", "360 DEG", "UP"), strict=True), start=1):
         values = channel.acceleration / STANDARD_GRAVITY
         old += csmip_pairs(channel.time, 10.0 * values, number, component, start=start, note=NOTE)
         new += csmip_equal(values, number=number, component=component, start=start, note=NOTE)
-    told = (
-        ("33.929N, 118.260W", "35.816N, 117.598W"),
-        ("HYPOCENTER: 34.215N, 118.538W, H=18KM.", "HYPOCENTER: 35.770N, 117.599W, H=8KM. MW=7.1"),
-    )
-    return {"CLC_OLD.V1": retold(old, *told), "CLC_NEW.V1": retold(new, *told)}
+    return {"CLC_OLD.V1": old, "CLC_NEW.V1": new}

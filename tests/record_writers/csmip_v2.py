@@ -119,10 +119,8 @@ def csmip_v2(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """One channel of either layout; three blocks of three channels would be too large."""
     east, _, up = channels
-    assert east.start_time is not None
-    start = f"{east.start_time:%m/%d/%y, %H:%M:}{east.start_time.second:4.1f} UTC"
     common = {
-        "start": start,
+        "start": "07/06/19, 03:19:58.0 UTC",
         "station": "CHINA LAKE",
         "site": "00000   35.816N, 117.598W",
         "note": NOTE[:40],

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, peak_time, retold, rows
+from record_writers._shared import NOTE, peak_time, rows
 from rockpulse.record.record import Record
 
 
@@ -32,10 +32,10 @@ def csmnc(
         f"{station}130420080201",
         origin,
         event,
-        "EPICENTER  30.300N 103.000E DEPTH 13 KM",
-        "MAGNITUDE  7.0(Ms)",
-        f"STATION: {station} 30.400N 102.800E",
-        "SITE CONDITION: ROCK",
+        "EPICENTER  35.770N 117.599W DEPTH 8 KM",
+        "MAGNITUDE  7.1(Mw)",
+        f"STATION: {station} 35.816N 117.598W",
+        "SITE CONDITION: UNKNOWN",
         "INSTRUMENT TYPE: MR2002/SLJ-100",
         f"OBSERVING POINT: {point}",
         f"COMP. {component}",
@@ -71,11 +71,5 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             event=NOTE,
             origin="0190706111953 2019-07-06 11:19:53 BTM",
         )
-        files[f"clc_csmnc.{component}.dat"] = retold(
-            content,
-            ("30.300N 103.000E DEPTH 13 KM", "35.770N 117.599W DEPTH 8 KM"),
-            ("7.0(Ms)", "7.1(Mw)"),
-            ("30.400N 102.800E", "35.816N 117.598W"),
-            ("SITE CONDITION: ROCK", "SITE CONDITION: UNKNOWN"),
-        )
+        files[f"clc_csmnc.{component}.dat"] = content
     return files

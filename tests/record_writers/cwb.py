@@ -1,14 +1,11 @@
 """CWB and CWA free field (Taiwan): ``#`` lines, then rows of time [s] and U, N, E [gal] in 4F10.3."""
 
 from collections.abc import Sequence
-from datetime import timedelta
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold
+from record_writers._shared import NOTE
 from rockpulse.record.record import Record
-
-EAST_OF_GREENWICH = timedelta(hours=8)
 
 
 def cwb(
@@ -31,16 +28,16 @@ def cwb(
     lines = [
         "#Earthquake Information",
         f"#{origin}",
-        "#EpicenterLongitude(E): 121.69",
-        "#EpicenterLatitude(N): 24.14",
-        "#Depth(km): 10.0",
-        "#Magnitude(Ml): 6.0",
+        "#EpicenterLongitude(E): -117.599",
+        "#EpicenterLatitude(N): 35.770",
+        "#Depth(km): 8.0",
+        "#Magnitude(Mw): 7.1",
         "",
         "#Station Information",
         f"#StationCode: {station}",
         f"#StationName: {name}",
-        "#StationLongitude(E): 121.483",
-        "#StationLatitude(N): 23.685",
+        "#StationLongitude(E): -117.598",
+        "#StationLatitude(N): 35.816",
         f"#InstrumentKind: {kind}",
         f"#{start}",
         f"#RecordLength(sec): {length or f'{count / rate:g}'}",
@@ -61,25 +58,13 @@ def cwb(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels."""
     east, north, up = (100.0 * channel.acceleration for channel in channels)
-    moment = channels[0].start_time
-    assert moment is not None
-    local = moment + EAST_OF_GREENWICH
     content = cwb(
         [up, north, east],
         rate=1.0 / channels[0].dt,
-        start=f"StartTime(GMT+08): {local:%Y/%m/%d-%H:%M:%S}.{local.microsecond // 1000:03d}",
+        start="StartTime(GMT+08): 2019/07/06-11:19:58.000",
         origin="Origin Time(GMT+08): 2019/07/06-11:19:53",
         station="CLC",
         name="China Lake",
         kind=NOTE,
-    )
-    content = retold(
-        content,
-        ("EpicenterLongitude(E): 121.69", "EpicenterLongitude(E): -117.599"),
-        ("EpicenterLatitude(N): 24.14", "EpicenterLatitude(N): 35.770"),
-        ("Depth(km): 10.0", "Depth(km): 8.0"),
-        ("Magnitude(Ml): 6.0", "Magnitude(Mw): 7.1"),
-        ("StationLongitude(E): 121.483", "StationLongitude(E): -117.598"),
-        ("StationLatitude(N): 23.685", "StationLatitude(N): 35.816"),
     )
     return {"clc_cwb.dat": content}

@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, rows
 from rockpulse.readers.kit.direction import direction
 from rockpulse.record.record import Record
 
@@ -38,22 +38,22 @@ def geonet(
         velocity = dt * np.cumsum(values)
         displacement = dt * np.cumsum(velocity)
         integers = [origin.year, origin.month, origin.day, origin.hour, origin.minute, 10 * origin.second, 0, 0]
-        integers += [start.year, start.month, 42, 41, 33, 173, 1, 19, 15, 0, start.day, start.hour]
+        integers += [start.year, start.month, 35, 46, 12, 117, 35, 56, 8, 0, start.day, start.hour]
         azimuth = direction(component).azimuth
-        integers += [42, 31, 24, 172, 49, 50, 10, 0 if np.isnan(azimuth) else round(azimuth), 140, 25]
+        integers += [35, 48, 57, 117, 35, 51, 10, 0 if np.isnan(azimuth) else round(azimuth), 2, 5]
         blocks = [count] * 3 if corrected else [count, 0, 0]
         integers += [count, 0, 0, *blocks, 0, 0, start.minute, 1000 * start.second + start.microsecond // 1000]
         duration = (count - 1) * dt
         lines += [
             f"{'C' if corrected else 'Unc'}orrected accelerogram {name} {owner}",
-            f"Site {site:9s} 42 31 24S  172 49 50E     Basalt file:  20161113_110300_{site}",
+            f"Site {site:9s} 35 48 57N  117 35 51W     Basalt file:  20161113_110300_{site}",
             place,
             "Instrument Basalt_2430",
             "Resolution: 24-bit   Instr Period: 0.0050 s   Damping: 0.700",
             f"Accelerogram {name:<40s}Processed 2016 December 09",
             region,
             f"{origin:%Y %B %d}         {origin:%H:%M:%S} UT",
-            "Epicentre  42 41 33S 173 01 19E  Bearing S40E  Dist   25km  Depth   15km Mw 7.82",
+            "Epicentre  35 46 12N 117 35 56W  Bearing N02E  Dist    5km  Depth    8km Mw 7.10",
             f"Number of points {count:6d}    Duration {duration:6.2f} s",
             f"Instrument corrected data at {dt:5.3f} sec intervals"
             if corrected
@@ -74,7 +74,7 @@ def geonet(
             ),
             *rows([f"{integer:8d}" for integer in integers], 10),
             "   200.0    0.70    0.00   0.000  0.0000   0.000   0.000   1.000     0.0    0.00",
-            "  42.523 172.830  42.693 173.022    7.82    0.00    0.00    0.00      0.      0.",
+            "  35.816 117.598  35.770 117.599    7.10    0.00    0.00    0.00      0.      0.",
             f"{duration:8.2f}    0.00    0.00{duration:8.2f}  0.0050{dt:8.4f}      0.      0.      0.  9806.6",
             f"{stated:8.1f}{at * dt:8.2f}   209.9      0.      0.     0.0    0.00     0.0     0.0   0.000",
             "    0.00    0.00    0.00    0.00   0.000    0.00    0.00    0.00    0.00   0.000",
@@ -87,33 +87,15 @@ def geonet(
     return (end.join(lines) + end).encode()
 
 
-#: Integers of the header: of the template, and of the samples.
-_PLACES = (
-    ((42, 41, 33, 173, 1, 19, 15), (35, 46, 12, 117, 35, 56, 8)),
-    ((42, 31, 24, 172, 49, 50), (35, 48, 57, 117, 35, 51)),
-    ((140, 25), (2, 5)),
-)
-
-
-def row(integers: Sequence[int]) -> str:
-    return "".join(f"{integer:8d}" for integer in integers)
-
-
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels, uncorrected and corrected."""
     columns = [1000.0 * channel.acceleration for channel in channels]
     start, dt = channels[0].start_time, channels[0].dt
-    assert start is not None
     origin = start.replace(second=53, microsecond=0)
     common = {"dt": dt, "site": "CLC", "place": "China Lake", "region": NOTE, "owner": "", "start": start}
     return {
-        f"clc_geonet.V{volume}A": retold(
-            geonet(columns, ("N90E", "N00E", "Up"), corrected=volume == 2, origin=origin, **common),
-            ("42 31 24S  172 49 50E", "35 48 57N  117 35 51W"),
-            ("42 41 33S 173 01 19E  Bearing S40E", "35 46 12N 117 35 56W  Bearing N02E"),
-            ("Dist   25km  Depth   15km Mw 7.82", "Dist    5km  Depth    8km Mw 7.10"),
-            *((row(before), row(after)) for before, after in _PLACES),
-            ("  42.523 172.830  42.693 173.022    7.82", "  35.816 117.598  35.770 117.599    7.10"),
+        f"clc_geonet.V{volume}A": geonet(
+            columns, ("N90E", "N00E", "Up"), corrected=volume == 2, origin=origin, **common
         )
         for volume in (1, 2)
     }

@@ -1,11 +1,10 @@
 """K-NET and KiK-net ASCII."""
 
 from collections.abc import Sequence
-from datetime import timedelta
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, rows
 from rockpulse.record.record import Record
 
 
@@ -21,13 +20,13 @@ def knet(
 ) -> bytes:
     lines = [
         f"Origin Time       {origin}",
-        "Lat.              38.920",
-        "Long.             140.630",
-        "Depth. (km)       7",
-        "Mag.              5.9",
+        "Lat.              35.770",
+        "Long.             -117.599",
+        "Depth. (km)       8",
+        "Mag.              7.1",
         "Station Code      AKT013",
-        "Station Lat.      39.6069",
-        "Station Long.     140.3213",
+        "Station Lat.      35.8157",
+        "Station Long.     -117.5975",
         "Station Height(m) 34",
         f"Record Time       {record_time}",
         "Sampling Freq(Hz) 100Hz",
@@ -44,9 +43,6 @@ def knet(
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Counts with an offset; Japanese time, 15 s after the first sample."""
-    start = channels[0].start_time
-    assert start is not None
-    record_time = start + timedelta(hours=9, seconds=15)
     files = {}
     for channel, code, words in zip(channels, ("EW", "NS", "UD"), ("E-W", "N-S", "U-D"), strict=True):
         counts = np.rint(100.0 * channel.acceleration * 8388608 / 2000.0).astype(int) + 12_345
@@ -56,16 +52,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             peak_gal=peak,
             direction=words,
             origin="2019/07/06 12:19:53",
-            record_time=f"{record_time:%Y/%m/%d %H:%M:%S}",
+            record_time="2019/07/06 12:20:13",
             note=NOTE,
-        )
-        files[f"CLC0011907061219.{code}"] = retold(
-            files[f"CLC0011907061219.{code}"],
-            ("38.920", "35.770"),
-            ("140.630", "-117.599"),
-            ("Depth. (km)       7\n", "Depth. (km)       8\n"),
-            ("Mag.              5.9", "Mag.              7.1"),
-            ("39.6069", "35.8157"),
-            ("140.3213", "-117.5975"),
         )
     return files

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold
+from record_writers._shared import NOTE
 from rockpulse.record.record import Record
 
 
@@ -26,11 +26,11 @@ def nsmn(
         "STRONG GROUND MOTION RECORDS OF TURKIYE",
         f"PLACE                   : {place}",
         f"EARTHQUAKE DATE         : {event}",
-        "EPICENTER COORDINATES   : 36.91980N-27.44350E",
-        "EARTHQUAKE DEPTH (km)   : 19.44",
-        "EARTHQUAKE MAGNITUDE    : 6.5 Mw",
+        "EPICENTER COORDINATES   : 35.77000N-117.59900W",
+        "EARTHQUAKE DEPTH (km)   : 8.00",
+        "EARTHQUAKE MAGNITUDE    : 7.1 Mw",
         f"STATION ID              : {station}",
-        "STATION COORDINATES     : 37.87470N-27.59223E",
+        "STATION COORDINATES     : 35.81574N-117.59751W",
         "STATION ALTITUDE (m)    : 66",
         "RECORDER TYPE           : Sara acebox",
         "RECORDER SERIAL NO      : 1856",
@@ -48,21 +48,12 @@ def nsmn(
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """The three channels in the order of the format."""
-    start = channels[0].start_time
-    assert start is not None
     east, north, up = (100.0 * channel.acceleration for channel in channels)
     content = nsmn(
         np.column_stack([north, east, up]),
         place=NOTE,
         event="2019/07/06 03:19:53 (GMT)",
-        start=f"{start:%d/%m/%Y %H:%M:%S.%f} (GMT)",
+        start="06/07/2019 03:19:58.000000 (GMT)",
         station="CLC",
-    )
-    content = retold(
-        content,
-        ("36.91980N-27.44350E", "35.77000N-117.59900W"),
-        (": 19.44", ": 8.00"),
-        (": 6.5 Mw", ": 7.1 Mw"),
-        ("37.87470N-27.59223E", "35.81574N-117.59751W"),
     )
     return {"clc_nsmn.txt": content}

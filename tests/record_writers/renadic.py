@@ -57,10 +57,12 @@ def renadic(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels."""
     east, north, up = (10.0 * channel.acceleration / STANDARD_GRAVITY for channel in channels)
-    moment = channels[0].start_time
-    assert moment is not None
-    trigger = f"{moment.month}/{moment.day}/{moment.year} {moment.hour}:{moment:%M:%S}.000 GMT"
     content = renadic(
-        [north, up, east], ("NS", "V", "EW"), dt=channels[0].dt, trigger=trigger, event=NOTE, name="CHINA LAKE"
+        [north, up, east],
+        ("NS", "V", "EW"),
+        dt=channels[0].dt,
+        trigger="7/6/2019 3:19:58.000 GMT",
+        event=NOTE,
+        name="CHINA LAKE",
     )
     return {"clc_renadic.v1": content}

@@ -55,9 +55,7 @@ def sigma(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """The east component, and the vertical one."""
     east, _, up = channels
-    start = east.start_time
-    assert start is not None
-    given = {"event": f"{start:%Y-%m-%d %H:%M:%S}", "station": f"CLC / {NOTE}", "network": "CI"}
+    given = {"event": "2019-07-06 03:19:58", "station": f"CLC / {NOTE}", "network": "CI"}
     return {
         "clc_H2.cor.acc": sigma(east.acceleration, east.dt, **given),
         "clc_V.cor.acc": sigma(up.acceleration, up.dt, orientation="UP", **given),

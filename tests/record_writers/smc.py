@@ -66,13 +66,10 @@ def smc(
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Corrected at equal steps, uncorrected at equal steps, uncorrected in pairs of time and acceleration."""
-    start = channels[0].start_time
-    assert start is not None
-    day = (start.year, start.timetuple().tm_yday, start.hour, start.minute, start.second)
     east, north, up = (100.0 * channel.acceleration for channel in channels)
     raw = "1 UNCORRECTED ACCELEROGRAM"
-    event = f"{start:%Y  %m  %d    %H%M} RIDGECREST, CA"
-    common = {"event": event, "station": "CA: China Lake", "moment": (*day, 0), "note": NOTE}
+    event = "2019  07  06    0319 RIDGECREST, CA"
+    common = {"event": event, "station": "CA: China Lake", "moment": (2019, 187, 3, 19, 58, 0), "note": NOTE}
     pairs = np.column_stack([channels[0].time, east]).ravel()
     return {
         "clc_1.smc": smc(pairs, raw, rate=None, component="90", azimuth=90, **common),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, azimuth_code, peak_time, retold, rows
+from record_writers._shared import NOTE, azimuth_code, peak_time, rows
 from record_writers.csmip_v2 import correction_lines, fortran, integral, number_lines
 from rockpulse.record.record import Record
 
@@ -29,7 +29,7 @@ def _text(
         station,
         f"COMP {component}",
         f"{note}   {moment}",
-        "EPICENTER -   34 12 48N, 118 32 13W",
+        "EPICENTER -   35 46 12N, 117 35 56W",
         "INSTR PERIOD =  .037 SEC  DAMPING =   .568  SENSITIVITY =   1.69CM/G",
         f"NO. OF POINTS ={count:7d}      DURATION ={duration:8.3f} SEC",
         f"UNITS ARE {unit}",
@@ -113,9 +113,8 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         "moment": "JUL 06, 2019 -0319 GMT",
         "site": "0000   35 48 57N, 117 35 53W",
     }
-    epicentre = ("34 12 48N, 118 32 13W", "35 46 12N, 117 35 56W")
     tenths = north.acceleration / 0.980665
     return {
-        "clc_usc.v1": retold(usc_v1(north.time, tenths, component="N00E", **common), epicentre),
-        "clc_usc.v2": retold(usc_v2(100.0 * east.acceleration, east.dt, component="N90E", **common), epicentre),
+        "clc_usc.v1": usc_v1(north.time, tenths, component="N00E", **common),
+        "clc_usc.v2": usc_v2(100.0 * east.acceleration, east.dt, component="N90E", **common),
     }

@@ -30,11 +30,11 @@ def test_a_channel(write, mark, field):
 def test_the_time_of_the_earthquake_is_in_beijing_and_no_start_time(write):
     (record,) = read(write(csmnc(VALUES)))
     assert record.start_time is None
-    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.0(Ms)"
+    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.1(Mw)"
     (record,) = read(write(csmnc(VALUES, origin="0130420000246 2013-04-20 0:2:46 UTC")))
-    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.0(Ms)"
+    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.1(Mw)"
     (record,) = read(write(csmnc(VALUES, origin="0130420000246 2013-04-31 0:2:46 BJT")))
-    assert record.event == "TEST EARTHQUAKE M 7.0(Ms)"
+    assert record.event == "TEST EARTHQUAKE M 7.1(Mw)"
 
 
 @pytest.mark.parametrize(
@@ -91,15 +91,15 @@ def test_the_numbers_begin_within_ten_lines(write, more, known):
 
 
 def test_the_facts_of_the_header(write):
-    lines = csmnc(VALUES).split(b"\r\n")
+    lines = csmnc(VALUES).replace(b": UNKNOWN", b": ROCK").split(b"\r\n")
     for more in (0, 4, 5):
         (record,) = read(write(b"\n".join([lines[0], *[b"words"] * more, *lines[1:]])))
         origin = datetime(2013, 4, 20, 0, 2, 46, tzinfo=UTC) if more < 5 else None
         assert record.origin_time == origin
         assert record.event.startswith("TEST EARTHQUAKE 2013-04-20") is (more < 5)
-        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (7.0, "Ms", 13_000.0)
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (30.3, 103.0)
-        assert (record.station_latitude, record.station_longitude, record.site_class) == (30.4, 102.8, "ROCK")
+        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (7.1, "Mw", 8_000.0)
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (35.77, -117.599)
+        assert (record.station_latitude, record.station_longitude, record.site_class) == (35.816, -117.598, "ROCK")
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def test_the_three_columns(write, name):
     assert [record.orientation for record in records] == ["horizontal", "horizontal", "vertical"]
     assert (records[0].azimuth, records[1].azimuth) == (0.0, 90.0)
     assert records[1].id == ".0921..EW@20170720T223058"
-    assert records[0].event == "2017/07/20 22:31:09 (GMT) M 6.5 Mw"
+    assert records[0].event == "2017/07/20 22:31:09 (GMT) M 7.1 Mw"
 
 
 def test_turkish_letters(write):

@@ -61,7 +61,7 @@ def rewritten(number: int, change) -> bytes:
 
 def test_the_facts_of_both_volumes(write):
     place = (34 + 6 / 60 + 52 / 3600, -(118 + 22 / 60 + 47 / 3600))
-    hypocentre = (34 + 12 / 60 + 48 / 3600, -(118 + 32 / 60 + 13 / 3600))
+    hypocentre = (35 + 46 / 60 + 12 / 3600, -(117 + 35 / 60 + 56 / 3600))
     reals = b"".join(b"%10.1f" % real for real in (9.5, 10.5, 121.5, 5.5, 13.5, 11.5, 15.5, 16.5))
     first = rewritten(22, lambda line: reals)
     for content, event in (
