@@ -47,33 +47,15 @@ TOLERANCE, SMALL = 0.1, 0.011
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block of a page.
+    """A fenced block of a page."""
 
-    Attributes
-    ----------
-    kind : str
-        "sh", "python", "text", "matlab" ..., or "file".
-    name : str
-        Name of a "file", else empty.
-    body : str
-        What stands between the fences.
-    line : int
-        Line of the page on which the body begins.
-    not_run : str
-        Why it is not run; empty where it is.
-    exit_code : int
-        What a block of commands has to end with.
-    figures : bool
-        Whether the numbers of an output are compared.
-    """
-
-    kind: str
-    name: str
+    kind: str  #: "sh", "python", "text", "matlab" ..., or "file"
+    name: str  #: of a "file", else empty
     body: str
-    line: int
-    not_run: str = ""
-    exit_code: int = 0
-    figures: bool = True
+    line: int  #: of the page, on which the body begins
+    not_run: str = ""  #: the reason; empty where it is run
+    exit_code: int = 0  #: what a block of commands has to end with
+    figures: bool = True  #: whether the numbers of an output are compared
 
 
 def blocks(page: Path) -> list[Block]:
@@ -90,27 +72,17 @@ def blocks(page: Path) -> list[Block]:
             kind, name, body = "file", caption["name"].strip(), body[caption.end() :]
         reason = re.search(r"\*Not run by the tests of this manual: (.*?)\*\n", before)
         code = re.search(r"<!-- exit: (\d+) -->", before)
-        found.append(
-            Block(
-                kind=kind,
-                name=name,
-                body=body,
-                line=text.count("\n", 0, match.start("ticks")) + 2,
-                not_run=reason[1] if reason else "",
-                exit_code=int(code[1]) if code else 0,
-                figures="<!-- figures differ -->" not in before,
-            )
-        )
+        line, figures = text.count("\n", 0, match.start("ticks")) + 2, "<!-- figures differ -->" not in before
+        not_run, exit_code = reason[1] if reason else "", int(code[1]) if code else 0
+        found.append(Block(kind, name, body, line, not_run, exit_code, figures))
     return found
 
 
 def pictures(page: Path) -> tuple[set[str], set[str]]:
     """The names of the pictures that a page shows: those that its commands and its Python draw, and the others."""
     text = "\n".join(block.body for block in blocks(page) if block.kind in ("sh", "python"))
-    shown, drawn = (
-        set(SHOWN.findall(page.read_text(encoding="utf-8"))),
-        {Path(name).name for name in DRAWN.findall(text)},
-    )
+    shown = set(SHOWN.findall(page.read_text(encoding="utf-8")))
+    drawn = {Path(name).name for name in DRAWN.findall(text)}
     return shown & drawn, shown - drawn
 
 
@@ -172,24 +144,15 @@ def run_here(lines: list[str], folder: Path, environment: dict[str, str]) -> tup
 
 def run_shell(lines: list[str], folder: Path, environment: dict[str, str]) -> tuple[str, int]:
     """What bash prints, and its exit code."""
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", "\n".join(lines)],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=False,
-    )
+    command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=900)
     return done.stdout + done.stderr, done.returncode
 
 
 def run_page(page: Path, folder: Path) -> None:
     """Run a page in a folder; AssertionError, or what its Python raises, where it does not do what it says."""
-    environment = os.environ | {
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "COLUMNS": "110",
-    }
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path, "COLUMNS": "110"}
     session: dict[str, object] = {"__name__": "__manual__"}
     printed = ""
     for block in blocks(page):

@@ -13,28 +13,12 @@ import os
 import shutil
 import signal
 import sys
-import traceback
 from pathlib import Path
 
 from file_contents import assert_contents, contents
+from killed_run import in_a_fork
 
 from rockpulse.cli import main
-
-
-def in_a_fork(call) -> int:
-    """The exit code of a call in a fork of this process; minus the signal where that has ended it."""
-    child = os.fork()
-    if not child:
-        code = 99
-        try:
-            code = call()
-        except BaseException:
-            traceback.print_exc()
-        finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(code)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
 def run(library: str, records: Path, place: Path, first: int, every: int) -> dict[str, object]:
@@ -72,9 +56,9 @@ def run(library: str, records: Path, place: Path, first: int, every: int) -> dic
             cases += 1
             target = place / f"{step}{'k' if deadly else 'f'}"
             target.mkdir()
-            before = in_a_fork(lambda: struck(target, step, deadly))  # noqa: B023 - called at once
+            before, _ = in_a_fork(lambda: struck(target, step, deadly), whole)  # noqa: B023 - called at once
             left = sorted(one.name for one in target.iterdir())
-            after = in_a_fork(lambda: resumed(target))  # noqa: B023 - called at once
+            after, _ = in_a_fork(lambda: resumed(target), whole)  # noqa: B023 - called at once
             names = sorted(one.name for one in target.iterdir())
             ended_well = before in ((-signal.SIGKILL,) if deadly else (0, 2))
             if not ended_well or after or names != ["results.h5"]:

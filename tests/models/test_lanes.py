@@ -124,24 +124,13 @@ def test_slices_are_alike_and_no_smaller_than_told(lanes, threads, smallest, sli
     assert sorted(found) == [(lanes * k // slices, lanes * (k + 1) // slices) for k in range(slices)]
 
 
-@pytest.mark.parametrize(("told", "expected"), [(6, 6), (None, 1)])
-def test_without_an_affinity_all_cores_are_available(told, expected, monkeypatch):
-    monkeypatch.delattr("os.sched_getaffinity", raising=False)
-    monkeypatch.setattr("os.cpu_count", lambda: told)
-    assert available_cores() == expected
-
-
-def test_the_cores_of_this_process_are_available(monkeypatch):
+def test_the_cores_of_this_process_are_available_and_without_an_affinity_all(monkeypatch):
     monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 3, 5} if process == 0 else {0}, raising=False)
     assert available_cores() == 3
-
-
-def test_fewer_lanes_than_two_slices_run_in_the_calling_thread():
-    names = []
-    for lanes in (39, 40):
-        split_lanes(lambda first, last: names.append(threading.current_thread().name), lanes, 4, smallest=20)
-    assert names[0] == threading.current_thread().name
-    assert threading.current_thread().name not in names[1:]
+    monkeypatch.delattr("os.sched_getaffinity")
+    for told, expected in ((6, 6), (None, 1)):
+        monkeypatch.setattr("os.cpu_count", lambda told=told: told)
+        assert available_cores() == expected
 
 
 @pytest.mark.parametrize(("threads", "items", "inner"), [(1, 3, 1), (4, 1, 4), (4, 2, 2), (4, 3, 1), (2, 5, 1)])
