@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from make_format_samples import format_samples, read_options
@@ -35,8 +35,9 @@ TIME_LIMIT, MEMORY_LIMIT = 2.0, 256 * 1024**2
 #: Samples of a channel in most cases; the shipped files, which are eight times as long, make the rest.
 SHORT, WHOLE = 150, 1200
 
+T = TypeVar("T")
 Random = np.random.Generator
-Mutation = Callable[[bytearray, bytes, Random], bytearray]
+Mutation = Callable[[bytes, bytes, Random], bytes]
 
 _EXTREMES = b"0 -1 1 2147483647 -2147483648 99999999999999999999 1e999 nan -inf . 1E308 1e-320 - +".split()
 _EXTREMES += [b"  ", *b"***** 4294967296 0.0 -0.01 1D5 1_0 -999".split()]
@@ -44,145 +45,135 @@ _FOREIGN = ["\N{DEGREE SIGN}".encode("latin-1"), *(word.encode() for word in ("Ä
 _FOREIGN += [b"\xff", b"\x1a", b"\x00", b"\x1f\x8b\x08", b"\xef\xbb\xbf", b"PK\x03\x04", b"\f", b"\v", b"\t", b"\xa0"]
 
 
-def _at(data: bytearray, random: Random) -> int:
+def _at(data: bytes, random: Random) -> int:
     """A place in the data, most often in the header."""
     end = len(data) if random.random() < 0.4 else min(len(data), 3000)
     return int(random.integers(0, max(end, 1)))
 
 
-def _one(words: list[bytes], random: Random) -> bytes:
-    return words[int(random.integers(len(words)))]
+def _any(items: list[T], random: Random) -> T:
+    return items[int(random.integers(len(items)))]
 
 
-def truncate(data: bytearray, other: bytes, random: Random) -> bytearray:
-    return data[: _at(data, random)]
+def _parts(data: bytes, random: Random, longest: int = 300) -> tuple[bytes, bytes, bytes]:
+    """The data before, in and behind a part of them."""
+    at = _at(data, random)
+    end = at + int(random.integers(1, longest))
+    return data[:at], data[at:end], data[end:]
 
 
-def behead(data: bytearray, other: bytes, random: Random) -> bytearray:
-    return data[_at(data, random) :]
-
-
-def flip_bits(data: bytearray, other: bytes, random: Random) -> bytearray:
+def flip_bits(data: bytes, other: bytes, random: Random) -> bytes:
+    changed = bytearray(data)
     for _ in range(int(random.integers(1, 20))):
-        if data:
-            data[_at(data, random) % len(data)] ^= 1 << int(random.integers(8))
-    return data
+        if changed:
+            changed[_at(data, random) % len(data)] ^= 1 << int(random.integers(8))
+    return bytes(changed)
 
 
-def splice(data: bytearray, other: bytes, random: Random) -> bytearray:
-    return data[: _at(data, random)] + other[_at(bytearray(other), random) :]
+def repeat(data: bytes, other: bytes, random: Random) -> bytes:
+    before, part, behind = _parts(data, random)
+    return before + part + part + behind
 
 
-def append(data: bytearray, other: bytes, random: Random) -> bytearray:
-    return data + other
+def cut(data: bytes, other: bytes, random: Random) -> bytes:
+    before, _, behind = _parts(data, random)
+    return before + behind
 
 
-def cut(data: bytearray, other: bytes, random: Random) -> bytearray:
+def insert(data: bytes, other: bytes, random: Random) -> bytes:
     at = _at(data, random)
-    del data[at : at + int(random.integers(1, 300))]
-    return data
+    word = _any(_FOREIGN, random) if random.random() < 0.5 else random.bytes(int(random.integers(1, 9)))
+    return data[:at] + word + data[at:]
 
 
-def repeat(data: bytearray, other: bytes, random: Random) -> bytearray:
-    at = _at(data, random)
-    data[at:at] = data[at : at + int(random.integers(1, 300))]
-    return data
+def overwrite(data: bytes, other: bytes, random: Random) -> bytes:
+    at, word = _at(data, random), _any([*_FOREIGN, *_EXTREMES, bytes(40), b" " * 40], random)
+    return data[:at] + word + data[at + len(word) :]
 
 
-def insert(data: bytearray, other: bytes, random: Random) -> bytearray:
-    at = _at(data, random)
-    data[at:at] = _one(_FOREIGN, random) if random.random() < 0.5 else random.bytes(int(random.integers(1, 9)))
-    return data
-
-
-def overwrite(data: bytearray, other: bytes, random: Random) -> bytearray:
-    at, word = _at(data, random), _one([*_FOREIGN, *_EXTREMES, bytes(40), b" " * 40], random)
-    data[at : at + len(word)] = word
-    return data
-
-
-def digits(data: bytearray, other: bytes, random: Random) -> bytearray:
+def digits(data: bytes, other: bytes, random: Random) -> bytes:
     """Some digits become others."""
+    changed = bytearray(data)
     for _ in range(int(random.integers(1, 30))):
         at = _at(data, random)
-        if at < len(data) and data[at : at + 1].isdigit():
-            data[at] = 48 + int(random.integers(10))
-    return data
+        if data[at : at + 1].isdigit():
+            changed[at] = 48 + int(random.integers(10))
+    return bytes(changed)
 
 
-def number(data: bytearray, other: bytes, random: Random) -> bytearray:
+def number(data: bytes, other: bytes, random: Random) -> bytes:
     """A number becomes an extreme one, in its columns or not: counts, intervals, widths, codes."""
-    at = _at(data, random)
-    found = re.compile(rb"[+-]?\d+\.?\d*").search(bytes(data[at : at + 400]))
-    if found:
-        word = _one(_EXTREMES, random)
-        width = found.end() - found.start()
-        if random.random() < 0.7:
-            word = word[:width].rjust(width)
-        data[at + found.start() : at + found.end()] = word
-    return data
+    found = re.compile(rb"[+-]?\d+\.?\d*").search(data, at := _at(data, random), at + 400)
+    if not found:
+        return data
+    word = _any(_EXTREMES, random)
+    if random.random() < 0.7:
+        word = word[: len(found[0])].rjust(len(found[0]))
+    return data[: found.start()] + word + data[found.end() :]
 
 
-def width(data: bytearray, other: bytes, random: Random) -> bytearray:
+def width(data: bytes, other: bytes, random: Random) -> bytes:
     """A Fortran format gets other counts and widths."""
-    found = list(re.finditer(rb"\b(\d{1,3})([FEIfei])(\d{1,3})", bytes(data)))
-    if found:
-        match = found[int(random.integers(len(found)))]
-        counts = [b"0", b"1", b"7", b"8", b"10", b"80", b"999", b"99999999"]
-        data[match.start() : match.end()] = _one(counts, random) + match[2] + _one(counts, random)
-    return data
-
-
-def _lines(data: bytearray) -> list[bytes]:
-    return bytes(data).splitlines(keepends=True)
+    found = list(re.finditer(rb"\b(\d{1,3})([FEIfei])(\d{1,3})", data))
+    if not found:
+        return data
+    match, counts = _any(found, random), [b"0", b"1", b"7", b"8", b"10", b"80", b"999", b"99999999"]
+    return data[: match.start()] + _any(counts, random) + match[2] + _any(counts, random) + data[match.end() :]
 
 
 def _line(lines: list[bytes], random: Random) -> int:
     return int(random.integers(0, len(lines) if random.random() < 0.5 else min(len(lines), 60)))
 
 
-def delete_lines(data: bytearray, other: bytes, random: Random) -> bytearray:
-    lines = _lines(data)
-    if lines:
-        at = _line(lines, random)
-        del lines[at : at + int(random.integers(1, 4))]
-    return bytearray(b"".join(lines))
+def delete_lines(lines: list[bytes], random: Random) -> None:
+    at = _line(lines, random)
+    del lines[at : at + int(random.integers(1, 4))]
 
 
-def swap_lines(data: bytearray, other: bytes, random: Random) -> bytearray:
-    lines = _lines(data)
-    if lines:
-        first, second = _line(lines, random), _line(lines, random)
-        lines[first], lines[second] = lines[second], lines[first]
-    return bytearray(b"".join(lines))
+def swap_lines(lines: list[bytes], random: Random) -> None:
+    first, second = _line(lines, random), _line(lines, random)
+    lines[first], lines[second] = lines[second], lines[first]
 
 
-def double_line(data: bytearray, other: bytes, random: Random) -> bytearray:
-    lines = _lines(data)
-    if lines:
-        at = _line(lines, random)
-        lines[at:at] = [_one([b"\n", b"   \r\n", lines[at], lines[_line(lines, random)]], random)]
-    return bytearray(b"".join(lines))
+def double_line(lines: list[bytes], random: Random) -> None:
+    at = _line(lines, random)
+    lines[at:at] = [_any([b"\n", b"   \r\n", lines[at], lines[_line(lines, random)]], random)]
 
 
-def line_ends(data: bytearray, other: bytes, random: Random) -> bytearray:
+def of_lines(change: Callable[[list[bytes], Random], None]) -> Mutation:
+    """A change of the lines, if there are any."""
+
+    def changed(data: bytes, other: bytes, random: Random) -> bytes:
+        if lines := data.splitlines(keepends=True):
+            change(lines, random)
+        return b"".join(lines)
+
+    return changed
+
+
+def line_ends(data: bytes, other: bytes, random: Random) -> bytes:
     """Some or all line ends become others."""
-    ends = [b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n", b"\n\r"]
-    lines = bytes(data).splitlines()
+    ends, lines = [b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n", b"\n\r"], data.splitlines()
     if random.random() < 0.5:
-        return bytearray(_one(ends, random).join(lines))
-    return bytearray(b"".join(line + _one(ends, random) for line in lines))
+        return _any(ends, random).join(lines)
+    return b"".join(line + _any(ends, random) for line in lines)
 
 
-def encoding(data: bytearray, other: bytes, random: Random) -> bytearray:
-    coding = ("utf-8-sig", "utf-16", "utf-16-le", "utf-8")[int(random.integers(4))]
-    return bytearray(bytes(data).decode("latin-1").encode(coding))
-
-
-MUTATIONS: tuple[Mutation, ...] = (
-    *(truncate, behead, flip_bits, splice, append, cut, repeat, insert, overwrite, digits),
-    *(number, number, number, width, delete_lines, swap_lines, double_line, line_ends, encoding),
-)
+MUTATIONS: dict[str, Mutation] = {
+    "truncate": lambda data, other, random: data[: _at(data, random)],
+    "behead": lambda data, other, random: data[_at(data, random) :],
+    "flip_bits": flip_bits,
+    "splice": lambda data, other, random: data[: _at(data, random)] + other[_at(other, random) :],
+    "append": lambda data, other, random: data + other,
+    **{change.__name__: change for change in (cut, repeat, insert, overwrite, digits, number, width)},
+    **{change.__name__: of_lines(change) for change in (delete_lines, swap_lines, double_line)},
+    "line_ends": line_ends,
+    "encoding": lambda data, other, random: data.decode("latin-1").encode(
+        _any(["utf-8-sig", "utf-16", "utf-16-le", "utf-8"], random)
+    ),
+}
+#: The names from which a change is drawn; that of a number is the most likely.
+DRAWN = [name for name in MUTATIONS for _ in range(3 if name == "number" else 1)]
 
 
 @dataclass(frozen=True)
@@ -219,20 +210,18 @@ def case(seed: int, records: str = "") -> Case:
     names = list(files)
     sample = names[int(random.integers(len(names)))]
     other = files[names[int(random.integers(len(names)))]]
-    data = bytearray(files[sample])
-    chosen = [MUTATIONS[int(at)] for at in random.integers(0, len(MUTATIONS), min(random.geometric(0.6), 4))]
-    for mutation in chosen:
-        data = mutation(data, other, random)
+    content = files[sample]
+    chosen = [DRAWN[int(at)] for at in random.integers(0, len(DRAWN), min(random.geometric(0.6), 4))]
+    for name in chosen:
+        content = MUTATIONS[name](content, other, random)
     beside = {name: content for name, content in files.items() if name.endswith(".xml")}
-    content = bytes(data)
     if sample.endswith(".xml"):
         beside = {sample: content}
         sample = next((name for name in files if name.endswith(".mseed") and name[:6] == sample[:6]), sample)
         content = files[sample]
     options: dict[str, Any] = {"units": "cm/s2", **read_options().get(sample, {})}
     options["response"] = "remove" if random.random() < 0.1 else "sensitivity"
-    mutations = tuple(mutation.__name__ for mutation in chosen)
-    return Case(seed, sample, mutations, content, tuple(beside.items()), ReadOptions(**options))
+    return Case(seed, sample, tuple(chosen), content, tuple(beside.items()), ReadOptions(**options))
 
 
 def broken_promise(records: list[Record]) -> str:

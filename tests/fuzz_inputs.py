@@ -93,8 +93,8 @@ def mutated(data: bytes, seed: int) -> bytes:
     random = np.random.default_rng([seed, 7])
     samples: Sequence[bytes] = list(short_samples().values())
     other = samples[int(random.integers(len(samples)))]
-    change = fuzz.MUTATIONS[int(random.integers(len(fuzz.MUTATIONS)))]
-    return data[:1] + bytes(change(bytearray(data[1:]), other, random))
+    change = fuzz.MUTATIONS[fuzz.DRAWN[int(random.integers(len(fuzz.DRAWN)))]]
+    return data[:1] + change(data[1:], other, random)
 
 
 def kept_corpus() -> list[bytes]:

@@ -35,20 +35,3 @@ def test_every_cell_runs_and_shows_something_where_the_clone_keeps_it(run):
     assert set(verdicts["verdict"]) == {""}  # five earthquakes are needed
     assert verdicts["probability"]["garden wall"] > 0.5 > 0.05 > verdicts["probability"]["parapet"]
     assert sum(hasattr(value, "savefig") for value in values) == 3
-
-
-def test_cells_share_names_and_what_they_print(run, tmp_path):
-    def cell(kind, *lines):
-        return {"cell_type": kind, "source": list(lines)}
-
-    cells = [cell("markdown", "# words"), cell("code", "a = 2\n", "print(a)"), cell("code", "b = a + 1\n", "b")]
-    path = tmp_path / "small.ipynb"
-    path.write_text(json.dumps({"cells": cells}), encoding="utf-8")
-    assert [tuple(one) for one in run(path)] == [
-        (False, "# words", "", None),
-        (True, "a = 2\nprint(a)", "2\n", None),
-        (True, "b = a + 1\nb", "", 3),
-    ]
-    path.write_text(json.dumps({"cells": [cell("code", "1/0")]}), encoding="utf-8")
-    with pytest.raises(ZeroDivisionError):
-        list(run(path))

@@ -4,24 +4,16 @@ The independent solution is ``benchmarks/precise_rocking.py``. A peak of the ker
 much as the precise one moves when C or the record is changed by a share of 1e-13.
 """
 
-import importlib.util
 import math
-import sys
 import time
 from functools import cache
-from pathlib import Path
 
 import numpy as np
+import precise_rocking as precise
 import pytest
 from recorded_cases import EQUATIONS
 
 from rocking import Block, Outcome, Reason, recorded_response
-
-SCRIPT = Path(__file__).parents[2] / "benchmarks" / "precise_rocking.py"
-SPEC = importlib.util.spec_from_file_location("precise_rocking", SCRIPT)
-precise = importlib.util.module_from_spec(SPEC)
-sys.modules["precise_rocking"] = precise
-SPEC.loader.exec_module(precise)
 
 #: Of theta_max/alpha_c. The linear map knows rounding only; the series of the nonlinear equation end at a step of 0.08.
 ACCURACY = {"linear": 1e-12, "nonlinear": 1e-10}

@@ -27,9 +27,9 @@ def pulse(count: int = 400, peak: float = 0.3, dt: float = 0.01) -> np.ndarray:
     return peak * wave / np.max(np.abs(wave))
 
 
-def peak_time(values: Sequence[float], dt: float = 1.0, first: float = 0.0) -> float:
+def peak_time(values: Sequence[float], dt: float = 1.0) -> float:
     """Time of the largest absolute value [s]; 0 of no values."""
-    return first + dt * int(np.argmax(np.abs(values))) if len(values) else 0.0
+    return dt * int(np.argmax(np.abs(values))) if len(values) else 0.0
 
 
 def azimuth_code(component: str) -> int:

@@ -6,13 +6,13 @@ from record_writers._shared import NOTE, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
-def exponent(value: float, decimals: int = 6) -> str:
+def exponent(value: float) -> str:
     """Fortran's E format, which begins with the point: .854257E-03."""
-    mantissa, power = f"{value:.{decimals - 1}E}".split("E")
+    mantissa, power = f"{value:.5E}".split("E")
     digits = mantissa.replace("-", "").replace(".", "")
     # 0.0 has no digit in front of which the point could move.
     shifted = 0 if float(mantissa) == 0.0 else int(power) + 1
-    return f"{'-' if mantissa.startswith('-') else ''}.{digits}E{shifted:+03d}".rjust(decimals + 7)
+    return f"{'-' if mantissa.startswith('-') else ''}.{digits}E{shifted:+03d}".rjust(13)
 
 
 def bhrc(
@@ -24,7 +24,6 @@ def bhrc(
     unit: str = "UNITS ARE SECONDS AND G/10",
     count: int | None = None,
     rate: float | None = None,
-    end: str = "\r\n",
 ) -> bytes:
     """The channels L, V and T, accelerations in g/10; `count` and `rate` are what the header declares."""
     lines: list[str] = []
@@ -52,7 +51,7 @@ def bhrc(
             *rows([exponent(value) for value in values], 10),
             "/&",
         ]
-    return (end.join(lines) + end).encode("latin-1")
+    return ("\r\n".join(lines) + "\r\n").encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

@@ -21,10 +21,9 @@ def series(
     layout: str = "(8f9.6)",
     field: str = "{:9.6f}",
     per_row: int = 8,
-    count: int | None = None,
 ) -> list[str]:
     """A heading and its rows."""
-    number = len(values) if count is None else count
+    number = len(values)
     heading = f"{number:8d} {what} pts, approx {number * dt:3.0f} secs, units={unit:<7}{code}Format={layout}"
     return [f"{heading:<80}", *(f"{row:<80}" for row in rows([field.format(value) for value in values], per_row))]
 
@@ -35,7 +34,6 @@ def cosmos(
     number: int = 1,
     component: str = "360 deg",
     azimuth: int = 360,
-    place: str = "",
     site: int = 4,
     dt: float = 0.005,
     start: datetime = _START,
@@ -77,7 +75,7 @@ def cosmos(
         "Coords: 35.816  -117.598   Site geology:",
         "Recorder: Etna   s/n 1193 ( 3 Chns of   3 at Sta) Sensor: FBA",
         f"Rcrd start time: {start.month}/{start.day}/{start.year}, {start:%H:%M}:{start.second:5.2f} UTC (Q=5)",
-        f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})" + (f" Location: {place}" if place else ""),
+        f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})",
         f"Raw record length ={len(values) * dt:8.3f} sec, Uncor max ={values[peak]:8.3f} {peak_unit}, "
         f"at {peak * dt:8.3f} sec.",
         f"Processed:                         CGS . Max ={values[peak]:9.3f} {peak_unit:<7} at {peak * dt:8.3f} sec",

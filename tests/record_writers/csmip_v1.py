@@ -8,18 +8,7 @@ from record_writers._shared import NOTE, azimuth_code, peak_time, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
-def _csmip_header(
-    number: int,
-    component: str,
-    place: str,
-    count: int,
-    length: float,
-    unit_line: str,
-    start: str,
-    note: str,
-    peak: float,
-    at: float,
-) -> list[str]:
+def _csmip_header(number, component, place, count, length, unit_line, start, note, peak, at) -> list[str]:
     location = f"  (STA CHN: {number:2d})     LOCATION: {place}" if place else ""
     return [
         "UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 02/08/94, TEST",
@@ -50,28 +39,24 @@ def csmip_pairs(
     values: Sequence[float],
     number: int = 1,
     component: str = " 90 DEG",
-    place: str = "",
-    unit: str = "SEC AND G/10",
     start: str = "01/17/94, 12:31:04.1 UTC",
-    end: str = "\r\n",
     note: str = "TEST EARTHQUAKE",
 ) -> bytes:
     """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
     peak = np.max(np.abs(values)) / 10.0
     at = times[int(peak_time(values))] if len(times) else 0.0
-    unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT {at:7.3f} SEC."
+    unit_line = f"UNITS OF UNCOR ACCEL ARE SEC AND G/10.     MAX  =  {peak:5.3f} G, AT {at:7.3f} SEC."
     fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
     length = times[-1] if len(times) else 0.0
-    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, peak, at)
+    header = _csmip_header(number, component, "", len(values), length, unit_line, start, note, peak, at)
     lines = header + rows(fields, 10)
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
-    return (end.join(lines) + end).encode("latin-1")
+    return ("\r\n".join(lines) + "\r\n").encode("latin-1")
 
 
 def csmip_equal(
     values: Sequence[float],
     heading: str = "{n:6d} Accelerogram points at 100 pts/sec in units of g.       Format: (8f9.6)",
-    field: str = "{:9.6f}",
     number: int = 1,
     component: str = " 90 DEG",
     place: str = "",
@@ -86,7 +71,7 @@ def csmip_equal(
     unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT {at:7.3f} SEC."
     length = dt * len(values)
     lines = _csmip_header(number, component, place, len(values), length, unit_line, start, note, peak, at)
-    lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
+    lines += [heading.format(n=len(values)), *rows([f"{value:9.6f}" for value in values], 8)]
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")
 

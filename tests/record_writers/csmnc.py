@@ -15,8 +15,6 @@ def csmnc(
     unit: str = "CM/SEC/SEC",
     count: int | None = None,
     dt: str = "0.005",
-    peak: float | None = None,
-    duration: float | None = None,
     point: str = "GROUND",
     station: str = "051XXX",
     event: str = "TEST EARTHQUAKE",
@@ -26,7 +24,7 @@ def csmnc(
     end: str = "\r\n",
 ) -> bytes:
     """One component [cm/s2]; `mark` is the ``$`` that some copies have at the end of every line."""
-    largest = values[int(np.argmax(np.abs(values)))] if peak is None else peak
+    largest = values[int(np.argmax(np.abs(values)))]
     number = len(values) if count is None else count
     lines = [
         f"{station}130420080201",
@@ -42,7 +40,7 @@ def csmnc(
         f"{kind}          UNIT: {unit}",
         f"NO. OF POINTS:  {number}  EQUALLY SPACED INTERVALS OF:  {dt}  SEC",
         f"PEAK VALUE: {largest:13.3f}   AT {peak_time(values, float(dt)):7.2f} SEC    DURATION: "
-        f"{(len(values) if duration is None else duration) * float(dt):3.0f} SEC",
+        f"{len(values) * float(dt):3.0f} SEC",
         "PRE-EVENT TIME:  20  SEC",
         "CSMNC",
         "",

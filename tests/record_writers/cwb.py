@@ -21,7 +21,6 @@ def cwb(
     unit: str = "gal. DCoffset(corr)",
     sequence: str = "Time U(+); N(+); E(+)",
     layout: str = "4F10.3",
-    end: str = "\r\n",
 ) -> bytes:
     """The channels U, N and E, or of `sequence`, accelerations in gal, from `first` [s] on; `length` as stated."""
     count = len(columns[0])
@@ -52,7 +51,7 @@ def cwb(
     ]
     times = first + np.arange(count) / rate
     lines += ["".join(f"{number:10.3f}" for number in row) for row in zip(times, *columns, strict=True)]
-    return (end.join(lines) + end).encode("latin-1")
+    return ("\r\n".join(lines) + "\r\n").encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

@@ -25,7 +25,6 @@ def geonet(
     owner: str = "GNS Science",
     start: datetime = START,
     origin: datetime = ORIGIN,
-    peak: float | None = None,
     end: str = "\n",
 ) -> bytes:
     """A file of several components, accelerations in mm/s2, V1A (in units of `reading` [mm/s2]) or V2A."""
@@ -34,7 +33,7 @@ def geonet(
     for values, component in zip(columns, components, strict=True):
         count = len(values)
         at = int(np.argmax(np.abs(values)))
-        stated = values[at] if peak is None else peak
+        stated = values[at]
         velocity = dt * np.cumsum(values)
         displacement = dt * np.cumsum(velocity)
         integers = [origin.year, origin.month, origin.day, origin.hour, origin.minute, 10 * origin.second, 0, 0]

@@ -13,7 +13,6 @@ def knet(
     scale: str = "2000(gal)/8388608",
     peak_gal: float = 0.0,
     direction: str = "E-W",
-    end: str = "\n",
     origin: str = "1996/08/11 03:12:00",
     record_time: str = "1996/08/11 03:12:39",
     note: str = "",
@@ -38,7 +37,7 @@ def knet(
         f"Memo.             {note}".rstrip(),
         *rows([f"{count:8d} " for count in counts], 8),
     ]
-    return (end.join(lines) + end).encode()
+    return ("\n".join(lines) + "\n").encode()
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

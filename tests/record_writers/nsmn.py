@@ -16,12 +16,10 @@ def nsmn(
     station: str = "0921",
     count: int | None = None,
     dt: str = "0.01",
-    unit: str = "gal",
-    peaks: Sequence[float] | None = None,
     end: str = "\r\n",
 ) -> bytes:
     """Rows of a (n, 3) table: N-S, E-W, U-D [gal]."""
-    north, east, up = np.max(np.abs(values), axis=0) if peaks is None else peaks
+    north, east, up = np.max(np.abs(values), axis=0)
     lines = [
         "STRONG GROUND MOTION RECORDS OF TURKIYE",
         f"PLACE                   : {place}",
@@ -37,7 +35,7 @@ def nsmn(
         f"RECORD TIME             : {start}",
         f"NUMBER OF DATA          : {len(values) if count is None else count}",
         f"SAMPLING INTERVAL (sec) : {dt}",
-        f"RAW PGA VALUES ({unit})    : (N-S) {north:.6f} (E-W) {east:.6f} (U-D) {up:.6f}",
+        f"RAW PGA VALUES (gal)    : (N-S) {north:.6f} (E-W) {east:.6f} (U-D) {up:.6f}",
         "Copyright EARTHQUAKE DEPARTMENT",
         "DISASTER AND EMERGENCY MANAGEMENT PRESIDENCY",
         "       N-S          E-W          U-D",

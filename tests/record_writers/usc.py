@@ -9,17 +9,7 @@ from record_writers.csmip_v2 import correction_lines, fortran, integral, number_
 from rockpulse.record.record import Record
 
 
-def _text(
-    count: int,
-    duration: float,
-    component: str,
-    station: str,
-    unit: str,
-    note: str,
-    moment: str,
-    site: str,
-    square: float = 0.211,
-) -> list[str]:
+def _text(count, duration, component, station, note, moment, site, square=0.211) -> list[str]:
     return [
         "FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:",
         "TEST EARTHQUAKE",
@@ -32,7 +22,7 @@ def _text(
         "EPICENTER -   35 46 12N, 117 35 56W",
         "INSTR PERIOD =  .037 SEC  DAMPING =   .568  SENSITIVITY =   1.69CM/G",
         f"NO. OF POINTS ={count:7d}      DURATION ={duration:8.3f} SEC",
-        f"UNITS ARE {unit}",
+        "UNITS ARE SEC AND G/10",
         f"RMS ACCLN. OF COMPLETE RECORD = {fortran(square, 8)} G/10",
     ]
 
@@ -42,7 +32,6 @@ def usc_v1(
     values: Sequence[float],
     component: str = "S05W",
     station: str = "8510 SOME AVENUE, LOS ANGELES, CA",
-    unit: str = "SEC AND G/10",
     note: str = "TEST EARTHQUAKE",
     moment: str = "JAN 17, 1994 -1230 GMT",
     site: str = "0017   34 06 52N, 118 22 47W",
@@ -50,7 +39,7 @@ def usc_v1(
 ) -> bytes:
     """One channel: pairs of time [s] and acceleration [g/10], a blank and ten fields of 7 characters in a row."""
     square = float(np.sqrt(np.mean(np.square(values))))
-    text = _text(len(values), times[-1], component, station, unit, note, moment, site, square)
+    text = _text(len(values), times[-1], component, station, note, moment, site, square)
     fields = [fortran(number, 7) for pair in zip(times, values, strict=True) for number in pair]
     lines = [
         *(f"{line:<72}{len(line):<8d}" for line in text),
@@ -77,9 +66,7 @@ def usc_v2(
     acceleration = np.asarray(values, dtype=float)
     velocity = integral(acceleration, dt)
     series = (acceleration, velocity, integral(velocity, dt))
-    text = _text(
-        len(acceleration), (len(acceleration) - 1) * dt, component, station, "SEC AND G/10", note, moment, site
-    )
+    text = _text(len(acceleration), (len(acceleration) - 1) * dt, component, station, note, moment, site)
     title = f"CORRECTED ACCELEROGRAM  IIBA338  87.420.0 COMP {component:<7}FILE   0  CORRESPONDING T"
     correction = correction_lines(
         series,
