@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rockpulse.errors import Failure
+from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.summary import SUMMARY
 
 RECORDS = ["CI.CCC..HNE@20190706T031953", "CI.CCC..HNN@20190706T031953", "weak.1"]
 BLOCKS = ["boundary wall", "column", "cabinet"]
 MODELS = ["resonance", "sequence", "nonlinear"]
-REASONS = "none impact_limit free_flight half_cycle_limit"
 CONFIGURATION = '[site]\nname = "Borgo"\n'
 
 OUTCOMES = np.array(
@@ -68,17 +70,15 @@ def demanding(summary, demands, **variables):
 
 def results_tree(cases=None):
     """The tree; with `cases` restitution values per block where a number is given."""
-    record, block, model = np.array(RECORDS), np.array(BLOCKS), np.array(MODELS)
     peak = np.select([OUTCOMES == 0, OUTCOMES == 1, OUTCOMES == 2], [0.0, 0.412, np.inf], np.nan)
     factor = np.where(OUTCOMES == 2, 0.5, np.where(OUTCOMES == 1, 1.7, np.inf))
     factor[..., 2] = np.nan
     applicable = np.ones(OUTCOMES.shape, dtype=np.int8)
     applicable[:, 2, :2] = 0
-    shape = ("record", "block", "model")
-    pair, cube, restitution = ("record", "block"), shape, ("block",)
+    cube, restitution = ("record", "block", "model"), ("block",)
     c = np.array([0.985, 0.93, 0.79])
     if cases is not None:
-        restitution, cube = ("block", "case"), (*shape, "case")
+        restitution, cube = ("block", "case"), (*cube, "case")
         c = np.stack([c, *(c - 0.1 * k for k in range(1, cases))], axis=1)
         c[0] = 0.9
         peak, factor, applicable, outcome = (
@@ -86,80 +86,71 @@ def results_tree(cases=None):
         )
     else:
         outcome = OUTCOMES.copy()
-    reason = np.where(outcome == 3, 2, 0).astype(np.int8)
-
-    def made(dims, values, units, long_name, **attrs):
-        return xr.Variable(dims, np.asarray(values), {"units": units, "long_name": long_name, **attrs})
-
-    flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": "at_rest rocks overturns unresolved"}
-    binary = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "no yes"}
-    drift = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "reliable drift"}
-    summary = xr.Dataset(
-        {
-            "source": made("record", ["CCC.RAW", "CCC.RAW", "weak.txt"], "1", "file"),
-            "source_sha256": made("record", ["0" * 64, "0" * 64, "1" * 64], "1", "SHA-256 of the file"),
-            "event": made("record", ["Ridgecrest", "Ridgecrest", "unknown"], "1", "earthquake"),
-            "station": made("record", ["CCC", "CCC", ""], "1", "station"),
-            "component": made("record", ["90 Deg", "360 Deg", ""], "1", "component"),
-            "azimuth": made("record", [90.0, 0.0, np.nan], "degrees", "azimuth"),
-            "start_time": made("record", ["2019-07-06T03:19:53", "2019-07-06T03:19:53", ""], "1", "time"),
-            "npts": made("record", [35430, 35402, 100], "1", "samples"),
-            "dt": made("record", [0.01, 0.01, 0.02], "s", "sampling interval"),
-            "pga": made("record", [5.5574, 4.619, 0.01], "m/s2", "peak ground acceleration"),
-            "pgv": made("record", [0.71, 0.43, 0.002], "m/s", "peak ground velocity"),
-            "pgv_drift": made("record", np.array([0, 1, 0], dtype=np.int8), "1", "PGV is drift", **drift),
-            "arias_intensity": made("record", [5.2, 3.1, 0.0], "m/s", "Arias intensity"),
-            "intense_start": made("record", [10.0, 11.0, 0.1], "s", "start of the intense phase"),
-            "intense_end": made("record", [22.0, 24.0, 1.9], "s", "end of the intense phase"),
-            "main_impulse": made("record", [0.62, 0.35, np.nan], "m/s", "main impulse"),
-            "secondary_impulse": made("record", [0.11, 0.08, np.nan], "m/s", "secondary impulse"),
-            "secondary_interval": made("record", [0.12, 0.11, np.nan], "s", "interval"),
-            "sequence_duration": made("record", [12.0, 13.0, np.nan], "s", "duration"),
-            "main_count": made("record", [5, -1, 0], "1", "number of main impulses, -1 unlimited"),
-            "half_wave_count": made("record", [88, 91, 2], "1", "half-waves of the whole record"),
-            "warnings": made("record", ["mean removed\ndirection unknown; check it", "", ""], "1", "warnings"),
-            "warning_codes": made("record", ["plain plain", "", ""], "1", "codes of the warnings"),
-            "processing": made("record", ["baseline: mean", "", ""], "1", "processing"),
-            "vertical_channel": made("record", ["", "", ""], "1", "vertical channel that acts too"),
-            "width": made("block", [0.25, 1.0, np.nan], "m", "full width"),
-            "height": made("block", [2.2, 7.0, np.nan], "m", "full height"),
-            "radius": made("block", [1.107, 3.536, 1.2], "m", "half the diagonal R"),
-            "alpha_c": made("block", [0.113, 0.142, 0.38], "rad", "critical angle"),
-            "p": made("block", [2.58, 1.44, 2.6], "1/s", "frequency parameter"),
-            "gravity": made("block", [9.80665, 9.80665, 10.816], "m/s2", "acceleration of gravity"),
-            "slenderness": made("block", [8.8, 7.0, 2.5], "1", "slenderness"),
-            "restitution": made(restitution, c, "1", "velocity ratio of an impact"),
-            "critical_impulse": made("block", [0.43, 0.98, 1.54], "m/s", "critical impulse"),
-            "block_warnings": made("block", ["", "", "slenderness 2.5 is below 3"], "1", "warnings"),
-            "uplift_ratio": made(pair, np.full((3, 3), 2.5), "1", "PGA over uplift"),
-            "velocity_ratio": made(pair, np.full((3, 3), 1.5), "1", "p PGV/(g tan alpha)"),
-            "impulse_ratio": made(pair, [[1.44, 0.63, 0.4]] * 2 + [[np.nan] * 3], "1", "I/I_1c"),
-            "peak_rotation_ratio": made(cube, peak, "1", "peak rotation"),
-            "outcome": made(cube, outcome, "1", "outcome", **flags),
-            "reason": made(cube, reason, "1", "reason", flag_values=flags["flag_values"], flag_meanings=REASONS),
-            "safety_factor": made(cube, factor, "1", "safety factor"),
-            "applicable": made(cube, applicable, "1", "applicable", **binary),
-        },
-        coords={
-            "record": made("record", record, "1", "record id"),
-            "block": made("block", block, "1", "block name"),
-            "model": made("model", model, "1", "model"),
-        },
-    )
+    of_records = {
+        "source": ["CCC.RAW", "CCC.RAW", "weak.txt"],
+        "source_sha256": ["0" * 64, "0" * 64, "1" * 64],
+        "event": ["Ridgecrest", "Ridgecrest", "unknown"],
+        "station": ["CCC", "CCC", ""],
+        "component": ["90 Deg", "360 Deg", ""],
+        "azimuth": [90.0, 0.0, np.nan],
+        "start_time": ["2019-07-06T03:19:53", "2019-07-06T03:19:53", ""],
+        "npts": [35430, 35402, 100],
+        "dt": [0.01, 0.01, 0.02],
+        "pga": [5.5574, 4.619, 0.01],
+        "pgv": [0.71, 0.43, 0.002],
+        "pgv_drift": [0, 1, 0],
+        "arias_intensity": [5.2, 3.1, 0.0],
+        "intense_start": [10.0, 11.0, 0.1],
+        "intense_end": [22.0, 24.0, 1.9],
+        "main_impulse": [0.62, 0.35, np.nan],
+        "secondary_impulse": [0.11, 0.08, np.nan],
+        "secondary_interval": [0.12, 0.11, np.nan],
+        "sequence_duration": [12.0, 13.0, np.nan],
+        "main_count": [5, -1, 0],
+        "half_wave_count": [88, 91, 2],
+        "warnings": ["mean removed\ndirection unknown; check it", "", ""],
+        "warning_codes": ["plain plain", "", ""],
+        "processing": ["baseline: mean", "", ""],
+    }
+    of_blocks = {
+        "width": [0.25, 1.0, np.nan],
+        "height": [2.2, 7.0, np.nan],
+        "radius": [1.107, 3.536, 1.2],
+        "alpha_c": [0.113, 0.142, 0.38],
+        "p": [2.58, 1.44, 2.6],
+        "gravity": [9.80665, 9.80665, 10.816],
+        "slenderness": [8.8, 7.0, 2.5],
+        "critical_impulse": [0.43, 0.98, 1.54],
+        "block_warnings": ["", "", "slenderness 2.5 is below 3"],
+    }
+    pairs = {
+        "uplift_ratio": np.full((3, 3), 2.5),
+        "velocity_ratio": np.full((3, 3), 1.5),
+        "impulse_ratio": [[1.44, 0.63, 0.4]] * 2 + [[np.nan] * 3],
+    }
+    answers = {
+        "peak_rotation_ratio": peak,
+        "outcome": outcome,
+        "reason": np.where(outcome == 3, 2, 0),
+        "safety_factor": factor,
+        "applicable": applicable,
+    }
+    along = {("record",): of_records, ("block",): of_blocks, ("record", "block"): pairs, cube: answers}
+    along[restitution] = along.get(restitution, {}) | {"restitution": c}
+    variables = {
+        name: SUMMARY[name].variable(values, dims) for dims, own in along.items() for name, values in own.items()
+    }
+    axes = {"record": RECORDS, "block": BLOCKS, "model": MODELS}
+    summary = xr.Dataset(variables, {name: SUMMARY[name].variable(values) for name, values in axes.items()})
     summary = completed(summary)
-    failures = xr.Dataset(
-        {
-            name: made("failure", values, "1", name)
-            for name, values in {
-                "file": ["CCC.RAW", "notes.txt", "cut.AT2"],
-                "stage": ["select", "find", "read"],
-                "reason": ["vertical channel 2", "no record", "cut.AT2:4: expected 100 samples, found 3"],
-                "kind": ["vertical", "skipped", "failed"],
-                "remedy": ["", "", ""],
-            }.items()
-        }
+    failures = failure_table(
+        [
+            Failure("CCC.RAW", "select", "vertical channel 2", "vertical"),
+            Failure("notes.txt", "find", "no record", "skipped"),
+            Failure("cut.AT2", "read", "cut.AT2:4: expected 100 samples, found 3", "failed"),
+        ]
     )
-    empty = xr.Dataset({"row_size": made("record", np.array([], dtype=np.int64), "1", "samples of each record")})
+    empty = xr.Dataset({"row_size": ASSESSMENT_GROUPS["/records"]["row_size"].variable([])})
     root = xr.Dataset(attrs={"title": "Borgo", "configuration": CONFIGURATION})
     return xr.DataTree.from_dict({"/": root, "/summary": summary, "/failures": failures, "/records": empty})
 

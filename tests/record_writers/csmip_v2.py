@@ -61,30 +61,23 @@ def csmip_v2(
     blocks: str = "avd",
     number: int = 1,
     component: str = " 90 DEG",
-    place: str = "",
-    start: str = "08/24/14, 10:20:33.0 UTC (GPS)",
-    station: str = "TEST STATION",
-    site: str = "58667   37.973N, 122.038W",
-    event: str = "TEST EARTHQUAKE",
-    note: str = "WRITTEN BY A TEST",
     end: str = "\r\n",
 ) -> bytes:
     """One channel: acceleration [cm/s2] and what it integrates to; `blocks` says which of the three are written."""
     acceleration = np.asarray(values, dtype=float)
     velocity = integral(acceleration, dt)
     series = (acceleration, velocity, integral(velocity, dt))
-    location = f"  (STA CHN: {number:2d})     LOCATION: {place}" if place else ""
     channel = f"CHAN {number:2d}: {component}"
     text = [
-        f"CORRECTED ACCELEROGRAM   {site[:5]}-L2866-14236.52       {channel:<22} FROM",
+        f"CORRECTED ACCELEROGRAM   00000-L2866-14236.52       {channel:<22} FROM",
         "UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 08/24/14",
-        event,
-        f"{note:<40}(ORIGIN:  TO BE DETERMINED)",
-        f"{site[:5]}-L2866-14236.52                 START TIME:  {start}",
-        f"STATION NO. {site}    ETNA    S/N 2866  (3 CHNS OF  3 AT STA)",
-        f"{station:<42}CGS   DATA: ACCELERATION",
-        channel + location,
-        event,
+        NOTE,
+        f"{NOTE[:40]:<40}(ORIGIN:  TO BE DETERMINED)",
+        "00000-L2866-14236.52                 START TIME:  07/06/19, 03:19:58.0 UTC",
+        "STATION NO. 00000   35.816N, 117.598W    ETNA    S/N 2866  (3 CHNS OF  3 AT STA)",
+        f"{'CHINA LAKE':<42}CGS   DATA: ACCELERATION",
+        channel,
+        NOTE,
         "HYPOCENTER:  TO BE DETERMINED.",
         "INSTR PERIOD =  .0102 SEC,  DAMPING =  .640,  SENSITIVITY =  .62 V/G",
         f"                        RECORD LENGTH ={fortran((len(acceleration) - 1) * dt, 7)} SEC.",
@@ -97,9 +90,9 @@ def csmip_v2(
             "ACCELEROGRAM BANDPASS FILTERED WITH RAMPS AT  .050- .100 AND 23.00-25.00 CYC/SEC",
             _UNITS[OLD],
         ),
-        event,
+        NOTE,
         "",
-        f"{site[:5]}-L2866-14236.52      {station}   {channel}",
+        f"00000-L2866-14236.52      CHINA LAKE   {channel}",
         "",
     ]
     peaks = [float(one[np.argmax(np.abs(one))]) for one in series]
@@ -119,14 +112,5 @@ def csmip_v2(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """One channel of either layout; three blocks of three channels would be too large."""
     east, _, up = channels
-    common = {
-        "start": "07/06/19, 03:19:58.0 UTC",
-        "station": "CHINA LAKE",
-        "site": "00000   35.816N, 117.598W",
-        "note": NOTE[:40],
-        "event": NOTE,
-    }
-    return {
-        "clc_90.v2": csmip_v2(100.0 * east.acceleration, east.dt, **common),
-        "clc_up_1983.v2": csmip_v2(100.0 * up.acceleration, up.dt, OLD, decimals=3, number=3, component="UP", **common),
-    }
+    old = csmip_v2(100.0 * up.acceleration, heading=OLD, decimals=3, number=3, component="UP")
+    return {"clc_90.v2": csmip_v2(100.0 * east.acceleration), "clc_up_1983.v2": old}

@@ -21,8 +21,6 @@ def geonet(
     reading: float = 1.0,
     site: str = "HSES",
     place: str = "Hanmer Springs Emergency Centre",
-    region: str = "5 km south-west of Waiau",
-    owner: str = "GNS Science",
     start: datetime = START,
     origin: datetime = ORIGIN,
     end: str = "\n",
@@ -44,13 +42,13 @@ def geonet(
         integers += [count, 0, 0, *blocks, 0, 0, start.minute, 1000 * start.second + start.microsecond // 1000]
         duration = (count - 1) * dt
         lines += [
-            f"{'C' if corrected else 'Unc'}orrected accelerogram {name} {owner}",
+            f"{'C' if corrected else 'Unc'}orrected accelerogram {name} ",
             f"Site {site:9s} 35 48 57N  117 35 51W     Basalt file:  20161113_110300_{site}",
             place,
             "Instrument Basalt_2430",
             "Resolution: 24-bit   Instr Period: 0.0050 s   Damping: 0.700",
             f"Accelerogram {name:<40s}Processed 2016 December 09",
-            region,
+            NOTE,
             f"{origin:%Y %B %d}         {origin:%H:%M:%S} UT",
             "Epicentre  35 46 12N 117 35 56W  Bearing N02E  Dist    5km  Depth    8km Mw 7.10",
             f"Number of points {count:6d}    Duration {duration:6.2f} s",
@@ -91,7 +89,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     columns = [1000.0 * channel.acceleration for channel in channels]
     start, dt = channels[0].start_time, channels[0].dt
     origin = start.replace(second=53, microsecond=0)
-    common = {"dt": dt, "site": "CLC", "place": "China Lake", "region": NOTE, "owner": "", "start": start}
+    common = {"dt": dt, "site": "CLC", "place": "China Lake", "start": start}
     return {
         f"clc_geonet.V{volume}A": geonet(
             columns, ("N90E", "N00E", "Up"), corrected=volume == 2, origin=origin, **common

@@ -10,8 +10,8 @@ from rockpulse.record.record import Record
 #: The header; the misspelling of the last line is that of the real files.
 _HEADER = """\
 Event Date & Time             : {event}
-Station Code / Name           : {station}
-Network                       : {network}
+Station Code / Name           : CLC / {note}
+Network                       : CI
 Orientation                   : {orientation}
 Processing Info               : {processing}
 Filter Cut-off Frequency (Hz) : {corners}
@@ -27,8 +27,6 @@ def sigma(
     dt: float = 0.01,
     end: str = "\n",
     event: str = "2009-04-06 01:32:39",
-    station: str = "3614 / L Aquila - V. Aterno - Centro Valle, Italy",
-    network: str = "DPC (Italian Civil Protection Authority)",
     orientation: str = "WE",
     processing: str = "Acausal Butterworth bandpass filtering (4pole-4pole).",
     corners: str = "0.100 - 50.000",
@@ -38,8 +36,7 @@ def sigma(
     """One component, accelerations in m/s2; `count` is the declared number, where that is not the number of samples."""
     header = _HEADER.format(
         event=event,
-        station=station,
-        network=network,
+        note=NOTE,
         orientation=orientation,
         processing=processing,
         corners=corners,
@@ -55,8 +52,7 @@ def sigma(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """The east component, and the vertical one."""
     east, _, up = channels
-    given = {"event": "2019-07-06 03:19:58", "station": f"CLC / {NOTE}", "network": "CI"}
     return {
-        "clc_H2.cor.acc": sigma(east.acceleration, east.dt, **given),
-        "clc_V.cor.acc": sigma(up.acceleration, up.dt, orientation="UP", **given),
+        "clc_H2.cor.acc": sigma(east.acceleration, east.dt, event="2019-07-06 03:19:58"),
+        "clc_V.cor.acc": sigma(up.acceleration, up.dt, orientation="UP", event="2019-07-06 03:19:58"),
     }
