@@ -1,8 +1,8 @@
 """Results shared by many tests: five short records on two bodies, by every study, made once for all workers."""
 
 import fcntl
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from assess_command import write_at2
@@ -56,29 +56,6 @@ value = 3.0
 """
 
 
-@dataclass(frozen=True)
-class Golden:
-    """Paths of the records, of their configuration and of the results, which no test writes to."""
-
-    folder: Path
-
-    @property
-    def records(self) -> Path:
-        """Folder of five AT2 files, each of an earthquake of its own."""
-        return self.folder / "records"
-
-    @property
-    def config(self) -> Path:
-        """The configuration of every study."""
-        return self.folder / "site.toml"
-
-    def __getattr__(self, name: str) -> Path:
-        """`results`, `site`, `fragility` (.h5) and `risk` (.csv): the file that the verb wrote."""
-        if name not in VERBS:
-            raise AttributeError(name)
-        return self.folder / (f"{name}.csv" if name == "risk" else f"{name}.h5")
-
-
 #: The command that writes each file.
 VERBS = {
     "results": ("assess", "records"),
@@ -88,25 +65,30 @@ VERBS = {
 }
 
 
-def golden(folder: Path) -> Golden:
-    """The results in a folder: made by the worker that comes first, while the others wait for its lock."""
+def golden(folder: Path) -> SimpleNamespace:
+    """The results in a folder: made by the worker that comes first, while the others wait for its lock.
+
+    `records`, the folder of five AT2 files, each of an earthquake of its own; `config`, the configuration of every
+    study; `results`, `site`, `fragility` and `risk`, the files that the verbs wrote. No test writes to them.
+    """
+    paths = {name: folder / f"{name}{'.csv' if name == 'risk' else '.h5'}" for name in VERBS}
+    found = SimpleNamespace(folder=folder, records=folder / "records", config=folder / "site.toml", **paths)
     folder.mkdir(exist_ok=True)
     with (folder / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "made").exists():
-            make(folder)
+            make(found)
             (folder / "made").touch()
-    return Golden(folder)
+    return found
 
 
-def make(folder: Path) -> None:
-    (folder / "records").mkdir()
+def make(found: SimpleNamespace) -> None:
+    found.records.mkdir()
     for number, frequency in enumerate((0.7, 0.9, 1.0, 1.2, 1.4)):
         burst = np.sin(2.0 * np.pi * frequency * TIME) * np.exp(-(((TIME - 2.0) / 0.7) ** 2))
         event = f"Quake {'ABCDE'[number]}, 6/12/{1980 + number}"
-        write_at2(folder / "records" / f"burst{number}.AT2", (0.30 + 0.05 * number) * burst, event=event)
-    (folder / "site.toml").write_text(CONFIGURATION)
+        write_at2(found.records / f"burst{number}.AT2", (0.30 + 0.05 * number) * burst, event=event)
+    found.config.write_text(CONFIGURATION)
     for name, (verb, source) in VERBS.items():
-        written = getattr(Golden(folder), name)
-        wanted = [verb, folder / source, "--config", folder / "site.toml", "-o", written, "--quiet"]
+        wanted = [verb, found.folder / source, "--config", found.config, "-o", getattr(found, name), "--quiet"]
         assert main([str(word) for word in wanted]) == 0, name

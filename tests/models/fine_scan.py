@@ -23,8 +23,6 @@ class Comparison(NamedTuple):
     wrong: int  #: ends that the search has across a wider gap
     narrow: int  #: narrower intervals
     missed: int  #: of them, not found
-    gaps: int  #: gaps between two intervals narrower than the step
-    bridged: int  #: of them, not found
 
 
 def comparisons(seed, count, equation="nonlinear", finer=FINER):
@@ -55,7 +53,7 @@ def compare(factors, over, lower, upper, finer=FINER):
     stands, falls = ends[:-1] + 1, begins[1:] - 1  # first and last factor of every gap between two intervals
     narrow_gap = falls - stands + 2 <= finer
     counts = dict.fromkeys(Comparison._fields, 0)
-    counts |= {"wide": int(wide.sum()), "narrow": int((~wide).sum()), "gaps": int(narrow_gap.sum())}
+    counts |= {"wide": int(wide.sum()), "narrow": int((~wide).sum())}
     for begin, end in zip(begins[wide], ends[wide], strict=True):
         holds = (lower <= factors[-(-begin // finer) * finer]) & (upper >= factors[end // finer * finer] * (1 - 1e-12))
         if not holds.any():
@@ -77,8 +75,6 @@ def compare(factors, over, lower, upper, finer=FINER):
     for begin, end in zip(begins[~wide], ends[~wide], strict=True):
         low, high = factors[max(begin - 1, 0)], factors[min(end + 1, factors.size - 1)]
         counts["missed"] += not np.any((lower <= high) & (upper >= low))
-    for stand, fall in zip(stands[narrow_gap], falls[narrow_gap], strict=True):
-        counts["bridged"] += bool(np.any((lower <= factors[stand]) & (upper >= factors[fall])))
     return Comparison(**counts)
 
 

@@ -21,31 +21,17 @@ from cosmic_ray.operators.provider import OperatorProvider
 TOP = Path(__file__).parents[2]
 
 #: Operators that leave a program which may run: one change for each, the smallest that a test should notice.
-BINARY = (
-    "Add_Sub",
-    "Sub_Add",
-    "Mul_Div",
-    "Div_Mul",
-    "FloorDiv_Div",
-    "Mod_Mul",
-    "Pow_Mul",
-    "BitOr_BitAnd",
-    "BitAnd_BitOr",
-)
-COMPARED = ("Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Eq_NotEq", "NotEq_Eq", "Is_IsNot", "IsNot_Is")
+BOTH_WAYS = (("Add", "Sub"), ("Mul", "Div"), ("BitOr", "BitAnd"))
+BINARY = (*(f"{one}_{other}" for pair in BOTH_WAYS for one, other in (pair, pair[::-1])),)
+BINARY += ("FloorDiv_Div", "Mod_Mul", "Pow_Mul")
+COMPARED = ["Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Eq_NotEq", "NotEq_Eq", "Is_IsNot", "IsNot_Is"]
+REPLACED = ["TrueWithFalse", "FalseWithTrue", "AndWithOr", "OrWithAnd", "BreakWithContinue", "ContinueWithBreak"]
 OPERATORS = (
     *(f"ReplaceBinaryOperator_{name}" for name in BINARY),
     *(f"ReplaceComparisonOperator_{name}" for name in COMPARED),
     *(f"ReplaceUnaryOperator_Delete_{name}" for name in ("USub", "Not", "Invert")),
-    *(
-        "NumberReplacer",
-        "ReplaceTrueWithFalse",
-        "ReplaceFalseWithTrue",
-        "ReplaceAndWithOr",
-        "ReplaceOrWithAnd",
-        "AddNot",
-    ),
-    *("ReplaceBreakWithContinue", "ReplaceContinueWithBreak", "ZeroIterationForLoop", "ExceptionReplacer"),
+    *(f"Replace{name}" for name in REPLACED),
+    *("NumberReplacer", "AddNot", "ZeroIterationForLoop", "ExceptionReplacer"),
 )
 
 
@@ -70,10 +56,6 @@ class Mutant:
         changed = mutate_code((TOP / self.module).read_text(), OperatorProvider()[self.operator](), self.position)
         assert changed is not None, self
         return changed
-
-    def changed_line(self) -> str:
-        """The line as it is after the change."""
-        return self.text().splitlines()[self.number - 1].strip()
 
 
 def mutants_of(module: str) -> Iterator[Mutant]:
@@ -100,17 +82,15 @@ def _unseen(node, kernels: bool) -> bool:
         return True
     function, child = None, node
     while (parent := child.parent) is not None:
-        if parent.type.startswith("fstring") or parent.type in ("raise_stmt", "decorator"):
-            return True
-        if parent.type == "annassign" and child is parent.children[1]:
-            return True
-        if (parent.type == "tfpdef" and child is parent.children[-1]) or (
-            parent.type == "funcdef" and child is parent.annotation
+        if (
+            parent.type.startswith("fstring")
+            or parent.type in ("raise_stmt", "decorator")
+            or (parent.type == "annassign" and child is parent.children[1])
+            or (parent.type == "tfpdef" and child is parent.children[-1])
+            or (parent.type == "funcdef" and child is parent.annotation)
+            or (parent.type == "argument" and parent.children[0].get_code().strip() == "strict")
+            or (parent.type == "atom_expr" and parent.get_first_leaf().value in ("logger", "picture"))
         ):
-            return True
-        if parent.type == "argument" and parent.children[0].get_code().strip() == "strict":
-            return True
-        if parent.type == "atom_expr" and parent.get_first_leaf().value in ("logger", "picture"):
             return True
         if parent.type == "funcdef":
             function = parent

@@ -135,7 +135,7 @@ def main() -> int:
             counts[fate] += 1
             print(f"{number:4} {fate:10} {one.module}:{one.number} {one.operator} {one.occurrence}", flush=True)
             if fate in ("survived", "untested"):
-                print(f"       - {one.line}\n       + {one.changed_line()}", flush=True)
+                print(f"       - {one.line}\n       + {one.text().splitlines()[one.number - 1].strip()}", flush=True)
     share = (counts["died"] + counts["timed out"]) / max(counts.total(), 1)
     print(
         f"{', '.join(f'{count} {fate}' for fate, count in sorted(counts.items()))}: {100.0 * share:.1f} % are noticed"
