@@ -1,4 +1,4 @@
-"""Folders of real records that several tests read, and the kernels compiled before a long run."""
+"""Records, results and the browser that several tests share, and the kernels compiled before a long run."""
 
 import gc
 import os
@@ -78,3 +78,22 @@ def records_folder() -> Path:
     if not Path(folder).is_dir():
         pytest.fail(f"ROCKPULSE_RECORDS={folder} is no folder")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def driver(tmp_path_factory):
+    """One browser for all tests of pages."""
+    from real_browser import chromium
+
+    driver = chromium(tmp_path_factory.mktemp("profile"))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="session")
+def axe():
+    """The script of axe-core, which npm brings and the repository does not; ROCKPULSE_AXE names it."""
+    script = os.environ.get("ROCKPULSE_AXE")
+    if not script:
+        pytest.skip("ROCKPULSE_AXE is not set: npm install axe-core, and set it to the path of axe.min.js")
+    return Path(script).read_text(encoding="utf-8")

@@ -49,13 +49,7 @@ def many_results(records, blocks, samples=6000, seed=0):
     for name in ("radius", "alpha_c", "p", "gravity", "slenderness", "critical_impulse", "restitution"):
         summary[name].values[:] = getattr(body, name)
     summary["width"].values[:], summary["height"].values[:] = 2.0 * body.half_width, 2.0 * body.half_height
-    for name, value in (
-        ("one_sided", 0),
-        ("restraints", ""),
-        ("floors", ""),
-        ("pedestal_of", ""),
-        ("friction", np.nan),
-    ):
+    for name, value in {"one_sided": 0, "restraints": "", "floors": "", "pedestal_of": "", "friction": np.nan}.items():
         summary[name].values[:] = value
     summary["alpha_2"].values[:] = body.alpha_2
     outcome = numbers.choice(np.array([0, 1, 1, 2], dtype=np.int8), shape)
@@ -97,26 +91,15 @@ def many_results(records, blocks, samples=6000, seed=0):
     for name, pair in (("start", [0.5, 1.5]), ("centroid", [1.0, 2.0]), ("end", [1.5, 2.5])):
         stored[f"half_wave_{name}"].values[:] = np.tile(pair, records)
     where = np.argwhere(np.isfinite(factor))
+    given = {f"{axis}_index": where[:, place] for place, axis in enumerate(("record", "block", "model"))}
+    given |= {"lower": factor[np.isfinite(factor)], "upper": np.full(len(where), 10.0)}
+    given |= {"case_index": np.zeros(len(where)), "open": np.ones(len(where)), "resolved": np.ones(len(where))}
     intervals = xr.Dataset(
         {
             **_filled(OVERTURNING, numbers, ("interval",), (len(where),)),
-            "record_index": OVERTURNING["record_index"].variable(where[:, 0]),
-            "block_index": OVERTURNING["block_index"].variable(where[:, 1]),
-            "case_index": OVERTURNING["case_index"].variable(np.zeros(len(where))),
-            "model_index": OVERTURNING["model_index"].variable(where[:, 2]),
-            "lower": OVERTURNING["lower"].variable(factor[np.isfinite(factor)]),
-            "upper": OVERTURNING["upper"].variable(np.full(len(where), 10.0)),
+            **{name: OVERTURNING[name].variable(values) for name, values in given.items()},
         }
     )
-    for name in ("open", "resolved"):
-        intervals[name].values[:] = 1
     root = xr.Dataset(attrs={"title": "Many", "configuration": '[site]\nname = "Many"\n', "kind": "assessment"})
-    return xr.DataTree.from_dict(
-        {
-            "/": root,
-            "/summary": completed(summary),
-            "/failures": failure_table([]),
-            "/records": stored,
-            "/overturning_intervals": intervals,
-        }
-    )
+    groups = {"/": root, "/summary": completed(summary), "/failures": failure_table([]), "/records": stored}
+    return xr.DataTree.from_dict(groups | {"/overturning_intervals": intervals})

@@ -22,13 +22,8 @@ class PageTexts(HTMLParser):
 
     def __init__(self, foreign_facts, foreign):
         super().__init__()
-        self.foreign, self.foreign_facts, self.open, self.texts, self.fact = (
-            FOREIGN | foreign,
-            foreign_facts,
-            [],
-            [],
-            "",
-        )
+        self.foreign, self.foreign_facts = FOREIGN | foreign, foreign_facts
+        self.open, self.texts, self.fact = [], [], ""
 
     def handle_starttag(self, tag, attrs):
         own = dict(attrs)

@@ -16,6 +16,8 @@ from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
 from rockpulse.commands import VERBS
 
+PROGRAM = (sys.executable, "-m", "rockpulse")
+
 
 def test_the_version_is_that_of_the_package(capsys):
     with pytest.raises(SystemExit) as end:
@@ -106,15 +108,8 @@ def test_a_reader_that_leaves_early_is_no_error():
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "w") as pipe:
-        done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", "init-config"],
-            stdout=pipe,
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
-        )
-    assert done.stderr == ""
-    assert done.returncode == 0
+        done = subprocess.run([*PROGRAM, "init-config"], stdout=pipe, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.sweep
@@ -141,23 +136,15 @@ def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_p
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
 def test_standard_output_that_is_full_is_a_message():
     with open("/dev/full", "w") as full:  # noqa: PTH123
-        done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", "formats"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
-        )
-    assert done.returncode == 2
-    assert done.stderr == "rockpulse: No space left on device\n"
+        done = subprocess.run([*PROGRAM, "formats"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (2, "rockpulse: No space left on device\n")
 
 
 @pytest.mark.sweep
 def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):
     environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
-    target = tmp_path / "città.toml"
-    done = subprocess.run(
-        [sys.executable, "-m", "rockpulse", "init-config", "-o", str(target)],
-        env=environment,
-        capture_output=True,
-        check=False,
-    )
+    command = [*PROGRAM, "init-config", "-o", str(tmp_path / "città.toml")]
+    done = subprocess.run(command, env=environment, capture_output=True)
     assert done.returncode == 0
     assert done.stdout.startswith(b"wrote ")
 

@@ -1,13 +1,10 @@
 """Files that are dropped on the page, and the browser that opens it."""
 
 import io
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 from app_page import TIME, records, zipped
-from real_browser import chromium
 
 
 @pytest.fixture(scope="session")
@@ -24,25 +21,8 @@ def agency(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="session")
-def driver(tmp_path_factory):
-    """One browser for all tests of the page."""
-    driver = chromium(tmp_path_factory.mktemp("profile"))
-    yield driver
-    driver.quit()
-
-
 @pytest.fixture
 def browser(driver):
     """The browser without cookies, which keep the language."""
     driver.execute_cdp_cmd("Network.clearBrowserCookies", {})
     return driver
-
-
-@pytest.fixture(scope="session")
-def axe():
-    """The script of axe-core, which npm brings and the repository does not; ROCKPULSE_AXE names it."""
-    script = os.environ.get("ROCKPULSE_AXE")
-    if not script:
-        pytest.skip("ROCKPULSE_AXE is not set: npm install axe-core, and set it to the path of axe.min.js")
-    return Path(script).read_text(encoding="utf-8")

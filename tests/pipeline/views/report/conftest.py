@@ -1,17 +1,14 @@
 """Four bursts of four earthquakes on three bodies: assessed, calibrated, with fragility curves, once for all tests."""
 
 import fcntl
-import os
 from dataclasses import replace
 from html import escape
-from pathlib import Path
 
 import numpy as np
 import pytest
 from markupsafe import Markup
 from matplotlib.text import Text
 from nominal import ida
-from real_browser import chromium
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
@@ -141,17 +138,6 @@ def letters_alone(monkeypatch):
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory):
-    """One browser for all tests."""
-    driver = chromium(tmp_path_factory.mktemp("profile"))
-    yield driver
-    driver.quit()
-
-
-@pytest.fixture(scope="session")
-def axe():
-    """The script of axe-core, which npm brings and the repository does not; ROCKPULSE_AXE names it."""
-    script = os.environ.get("ROCKPULSE_AXE")
-    if not script:
-        pytest.skip("ROCKPULSE_AXE is not set: npm install axe-core, and set it to the path of axe.min.js")
-    return Path(script).read_text(encoding="utf-8")
+def browser(driver):
+    """The browser of the session."""
+    return driver
