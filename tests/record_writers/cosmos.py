@@ -21,9 +21,10 @@ def series(
     layout: str = "(8f9.6)",
     field: str = "{:9.6f}",
     per_row: int = 8,
+    count: int | None = None,
 ) -> list[str]:
     """A heading and its rows."""
-    number = len(values)
+    number = len(values) if count is None else count
     heading = f"{number:8d} {what} pts, approx {number * dt:3.0f} secs, units={unit:<7}{code}Format={layout}"
     return [f"{heading:<80}", *(f"{row:<80}" for row in rows([field.format(value) for value in values], per_row))]
 
