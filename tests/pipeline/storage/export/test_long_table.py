@@ -206,9 +206,9 @@ def test_the_readme_names_every_column_with_unit_meaning_and_what_is_missing(ope
     lines = [[cell.strip(" `") for cell in line.split("|")] for line in text.splitlines() if line.startswith("| `")]
     rows = {cells[1]: cells[2:5] for cells in lines}
     assert set(rows) == set(table.columns)
-    assert rows["pga"] == ["m/s2", "0", "peak ground acceleration"]
+    assert rows["pga"] == ["m s^-2", "0", "peak ground acceleration after conditioning"]
     assert rows["safety_factor"][1] == "3"
-    assert rows["outcome"][2] == "outcome (at_rest, rocks, overturns, unresolved)"
+    assert rows["outcome"][2] == "how the motion ends (at_rest, rocks, overturns, unresolved)"
     assert "9 rows, one per record x block x model" in text
     assert "`demand_acceleration`" in text.split("Not in this table")[1]
 

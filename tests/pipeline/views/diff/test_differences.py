@@ -246,7 +246,7 @@ def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
     assert found.others == [
         "attribute data: absent in the first, ida in the second",
         "attribute method of /summary: absent in the first, statistics in the second",
-        "/summary/pga: units 'm/s2', then 'g'",
+        "/summary/pga: units 'm s^-2', then 'g'",
         "/summary/outcome: flag_meanings 'at_rest rocks overturns unresolved', then 'at_rest rocks falls unresolved'",
     ]
     found, _ = compare(tree(), tree(2))
