@@ -267,11 +267,8 @@ def call_fault(name: str, call: Callable[[], list[Record]]) -> str:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
     taken = time.process_time() - began
     grown = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - grown)
-    if not fault and taken > TIME_LIMIT:
-        fault = f"{taken:.1f} s"
-    if not fault and grown > MEMORY_LIMIT:
-        fault = f"{grown / 1e6:.0f} MB more"
-    return fault
+    too_long, too_much = taken > TIME_LIMIT, grown > MEMORY_LIMIT
+    return fault or (f"{taken:.1f} s" if too_long else f"{grown / 1e6:.0f} MB more" if too_much else "")
 
 
 def faults(tried: Case) -> Iterator[str]:
@@ -317,9 +314,7 @@ def main() -> int:
     resource.setrlimit(resource.RLIMIT_AS, (8 * 1024**3, -1))
     warnings.filterwarnings("ignore", module="obspy")
     end = time.monotonic() + 60.0 * arguments.minutes
-    counts: Counter[str] = Counter()
-    failures = 0
-    seed = arguments.first
+    counts, failures, seed = Counter[str](), 0, arguments.first
     while time.monotonic() < end:
         tried = case(seed, arguments.records)
         counts[tried.sample] += 1

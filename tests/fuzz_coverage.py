@@ -60,22 +60,6 @@ def _child(*arguments: str | Path) -> str:
     return text
 
 
-def _figures(text: str) -> tuple[int, int, int]:
-    """Executions, and edges and features covered, from the last lines of libFuzzer."""
-    lines = re.findall(r"^#(\d+)\s.*?cov: (\d+) ft: (\d+)", text, re.MULTILINE)
-    runs = re.findall(r"^Done (\d+) runs", text, re.MULTILINE)
-    _, edges, features = (int(number) for number in lines[-1]) if lines else (0, 0, 0)
-    return (int(runs[-1]) if runs else 0), edges, features
-
-
-def _minimise() -> list[bytes]:
-    """The inputs of the grown corpus that are needed for its coverage."""
-    shutil.rmtree(SMALLEST, ignore_errors=True)
-    SMALLEST.mkdir(parents=True)
-    _child("-merge=1", SMALLEST, GROWN)
-    return [path.read_bytes() for path in sorted(SMALLEST.iterdir())]
-
-
 def main() -> int:
     """Fuzz for some minutes, minimise the corpus, and print what was found."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -90,9 +74,14 @@ def main() -> int:
         (GROWN / _name(data)).write_bytes(data)
     known = len(list(FAULTS.iterdir()))
     text = _child(f"-max_total_time={round(60.0 * arguments.minutes)}", f"-max_len={fuzz_inputs.LONGEST}", GROWN)
-    runs, edges, features = _figures(text)
+    edges, features = (re.findall(r"^#\d+\s.*?cov: (\d+) ft: (\d+)", text, re.MULTILINE) or [(0, 0)])[-1]
+    runs = (re.findall(r"^Done (\d+) runs", text, re.MULTILINE) or [0])[-1]
     print(*(part for part in text.split("FAULT ")[1:]), sep="\n")
-    smallest = _minimise()
+    # The inputs of the grown corpus that are needed for its coverage.
+    shutil.rmtree(SMALLEST, ignore_errors=True)
+    SMALLEST.mkdir(parents=True)
+    _child("-merge=1", SMALLEST, GROWN)
+    smallest = [path.read_bytes() for path in sorted(SMALLEST.iterdir())]
     faults = len(list(FAULTS.iterdir())) - known
     print(
         f"{runs} executions in {arguments.minutes:g} minutes, {edges} edges and {features} features of "
