@@ -27,9 +27,9 @@ def variables(file):
     return datasets, sorted(name for name in found if isinstance(file[name], h5py.Group))
 
 
-def _copied(file, name, values, keep=True):
-    """Put other values in the place of a variable, with its attributes where asked for."""
-    attrs = {key: value for key, value in file[name].attrs.items() if key not in ("REFERENCE_LIST",)} if keep else {}
+def _copied(file, name, values):
+    """Put other values in the place of a variable, with its attributes."""
+    attrs = {key: value for key, value in file[name].attrs.items() if key != "REFERENCE_LIST"}
     del file[name]
     made = file.create_dataset(name, data=values)
     for key, value in attrs.items():
@@ -65,16 +65,19 @@ def other_shape(file, rng, place):
     _copied(file, name, values)
 
 
-def attribute_removed(file, rng, place):
+def attributes(file, rng):
     datasets, groups = variables(file)
-    held = file[rng.choice([*datasets, *groups, "/", "/", "/"])].attrs
+    return file[rng.choice([*datasets, *groups, "/", "/", "/"])].attrs
+
+
+def attribute_removed(file, rng, place):
+    held = attributes(file, rng)
     if names := sorted(held):
         del held[rng.choice(names)]
 
 
 def attribute_changed(file, rng, place):
-    datasets, groups = variables(file)
-    held = file[rng.choice([*datasets, *groups, "/", "/", "/"])].attrs
+    held = attributes(file, rng)
     others = [*TEXTS, 3, -1.5, np.nan, np.arange(4), np.zeros((2, 2)), h5py.Empty("f"), b"\xff\xfe"]
     if names := sorted(held):
         value = others[rng.integers(len(others))]

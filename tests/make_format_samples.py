@@ -30,7 +30,6 @@ def source_channels(count: int = COUNT) -> list[Record]:
     """90, 360 and up of CI.CLC: the first of the main shock's samples, without their means."""
     channels = []
     for channel in read(SAMPLES / "records" / SOURCE):
-        assert channel.start_time is not None
         first = round(BEGIN / channel.dt)
         part = channel.acceleration[first : first + count]
         start = channel.start_time + timedelta(seconds=BEGIN)
@@ -65,30 +64,20 @@ def read_options() -> dict[str, dict[str, Any]]:
 
 def table() -> str:
     """The rows of data/samples/README.md, from what the reader finds in the files."""
-    rows = [
-        "| file | format | channels | interval [s] | unit | samples | peak [g] | note |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    options = read_options()
+    heads = ["file", "format", "channels", "interval [s]", "unit", "samples", "peak [g]", "note"]
+    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
     for path in sorted(FORMATS.iterdir()):
         if path.suffix == ".xml":
-            rows.append(f"| `{path.name}` | StationXML | | | | | | gains of the miniSEED file |")
+            lines.append(f"| `{path.name}` | StationXML | | | | | | gains of the miniSEED file |")
             continue
-        given = options.get(path.name, {})
-        records = read(path, **given)
-        first = records[0]
-        cells = [
-            f"`{path.name}`",
-            first.format,
-            ", ".join(record.component or "-" for record in records),
-            f"{first.dt:g}",
-            first.source_unit,
-            str(first.npts),
-            ", ".join(f"{record.pga / STANDARD_GRAVITY:.3f}" for record in records),
-            "needs " + ", ".join(f"`{key}={value!r}`" for key, value in given.items()) if given else "",
-        ]
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows) + "\n"
+        given = read_options().get(path.name, {})
+        first, *_ = records = read(path, **given)
+        channels = ", ".join(record.component or "-" for record in records)
+        peaks = ", ".join(f"{record.pga / STANDARD_GRAVITY:.3f}" for record in records)
+        note = "needs " + ", ".join(f"`{key}={value!r}`" for key, value in given.items()) if given else ""
+        facts = [first.format, channels, f"{first.dt:g}", first.source_unit, str(first.npts), peaks, note]
+        lines.append(f"| `{path.name}` | {' | '.join(facts)} |")
+    return "\n".join(lines) + "\n"
 
 
 def main() -> None:

@@ -35,6 +35,7 @@ def cosmos(
     number: int = 1,
     component: str = "360 deg",
     azimuth: int = 360,
+    place: str = "",
     site: int = 4,
     dt: float = 0.005,
     start: datetime = _START,
@@ -76,7 +77,7 @@ def cosmos(
         "Coords: 35.816  -117.598   Site geology:",
         "Recorder: Etna   s/n 1193 ( 3 Chns of   3 at Sta) Sensor: FBA",
         f"Rcrd start time: {start.month}/{start.day}/{start.year}, {start:%H:%M}:{start.second:5.2f} UTC (Q=5)",
-        f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})",
+        f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})" + (f" Location: {place}" if place else ""),
         f"Raw record length ={len(values) * dt:8.3f} sec, Uncor max ={values[peak]:8.3f} {peak_unit}, "
         f"at {peak * dt:8.3f} sec.",
         f"Processed:                         CGS . Max ={values[peak]:9.3f} {peak_unit:<7} at {peak * dt:8.3f} sec",
