@@ -23,9 +23,3 @@ def Config(**sections):
 def ida(**fragility):
     """Section [fragility] for an incremental analysis of every record, however far it is scaled."""
     return rp.FragilitySettings(**{"data": "ida", "factors": (0.01, 100.0), "pga_min": 0.0} | fragility)
-
-
-def toml(without: str = "") -> str:
-    """The text of FILE, without one of its sections."""
-    parts = FILE.read_text(encoding="utf-8").split("\n\n")
-    return "\n\n".join(part for part in parts if f"[{without}]" not in part.splitlines())

@@ -165,12 +165,11 @@ def small_tree(title="Borgo"):
 
 
 @cache
-def results_bytes(title="Borgo"):
+def results_bytes():
     """The file of the tree, saved once and for all tests."""
     from rockpulse.storage.hdf5.results_file import save
 
     tree = results_tree()
-    tree.attrs["title"] = title
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "results.h5"
         save(tree, path)

@@ -124,8 +124,3 @@ def test_the_examples_run(tmp_path, monkeypatch):
     assert np.abs(of_h5py["second"]).max() == pytest.approx(summary["pga"].values[1])
     assert of_h5py["time"].size == of_h5py["second"].size
     assert 0 < of_h5py["peak"].size < of_h5py["cycles"]["peak"].size if of_h5py["cycles"] else of_h5py["peak"].size > 0
-
-
-def test_there_is_an_example_for_rockpulse_xarray_h5py_and_matlab():
-    assert len(EXAMPLES) == 3
-    assert SCHEMA.count("```matlab") == 1

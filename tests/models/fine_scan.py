@@ -25,7 +25,7 @@ class Comparison(NamedTuple):
     missed: int  #: of them, not found
 
 
-def comparisons(seed, count, equation="nonlinear", finer=FINER):
+def comparisons(seed, count, equation="nonlinear"):
     """Comparison of every one of `count` blocks under the motion of a seed, and its safety factor over the fine one."""
     drawn = synthetic_lanes(seed, count)
     blocks = Block.from_parameters(drawn.p, drawn.alpha, drawn.restitution)
@@ -33,14 +33,14 @@ def comparisons(seed, count, equation="nonlinear", finer=FINER):
     found = critical_scale(blocks, motion, DT, equation, factor_max=FACTOR_MAX, points=POINTS, threads=1)
     threshold = np.tan(blocks.alpha_c) if equation == "nonlinear" else blocks.alpha_c
     start = blocks.gravity * threshold / np.max(np.abs(motion))
-    factors = np.geomspace(start, FACTOR_MAX, finer * (POINTS - 1) + 1)
+    factors = np.geomspace(start, FACTOR_MAX, FINER * (POINTS - 1) + 1)
     lanes = blocks.take(np.tile(np.arange(blocks.shape[0]), factors.shape[0]))
     answer = recorded_response(lanes, motion, DT, equation, block_scale=factors.reshape(-1), threads=1)
     over = (answer.outcome == Outcome.OVERTURNS).reshape(factors.shape)
     first = np.where(over.any(axis=0), factors[np.argmax(over, axis=0), np.arange(count)], np.inf)
     late = np.divide(found.safety_factor, first, out=np.ones(count), where=np.isfinite(first))
     return [
-        (compare(factors[:, k], over[:, k], found.lower[found.lane == k], found.upper[found.lane == k], finer), late[k])
+        (compare(factors[:, k], over[:, k], found.lower[found.lane == k], found.upper[found.lane == k]), late[k])
         for k in range(count)
     ]
 

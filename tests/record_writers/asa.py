@@ -19,8 +19,6 @@ def asa(
     rate: Sequence[float] = (250, 250, 250),
     intervals: Sequence[float] | None = None,
     counts: Sequence[int] | None = None,
-    station: str = "IDEI PATIO 5",
-    code: str = "CUP5",
     date: str = "2004/01/01",
     origin: str = "23:58:02.7",
     start: str = "00:00:01    ",
@@ -44,8 +42,6 @@ def asa(
         return {key.format(half): "".join(f"/{item}" for item in own) for half, own in halves.items()}
 
     facts = {
-        "NOMBRE DE LA ESTACION": station,
-        "CLAVE DE LA ESTACION": code,
         "NUMERO DE CANALES": str(len(words)),
         **listed("ORIENTACION {} (rumbo;orientacion)", words),
         **listed("VEL. DE MUESTREO, {} (muestras/s)", [f"{one:g}" for one in rate]),
@@ -81,6 +77,5 @@ def asa(
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """The three channels, V, N90E, N00E."""
     east, north, up = (100.0 * channel.acceleration for channel in channels)
-    known = {"station": "China Lake", "code": "CLC", "date": "2019/07/06", "origin": "03:19:53.0"}
     table = np.column_stack([up, east, north])
-    return {SAMPLE: asa(table, rate=(100, 100, 100), start="03:19:58.000000", **known)}
+    return {SAMPLE: asa(table, rate=(100, 100, 100), date="2019/07/06", origin="03:19:53.0", start="03:19:58.000000")}

@@ -24,8 +24,8 @@ def test_the_three_channels(write):
     assert [record.component for record in records] == ["V", "N90E", "N00E"]
     assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
     assert (records[1].azimuth, records[2].azimuth) == (90.0, 0.0)
-    assert records[1].id == ".CUP5..N90E@20040102T000001"
-    assert (records[0].station, records[0].station_name) == ("CUP5", "IDEI PATIO 5")
+    assert records[1].id == ".CLC..N90E@20040102T000001"
+    assert (records[0].station, records[0].station_name) == ("CLC", "China Lake")
     assert records[0].event == "2004/01/01 23:58:02.7 Mw=7.1"
 
 
