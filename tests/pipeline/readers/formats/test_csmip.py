@@ -144,7 +144,7 @@ def test_both_layouts_give_back_the_acceleration(write, heading):
     assert record.acceleration == pytest.approx(MOTION / 100.0, abs=1e-12)
     assert record.dt == 0.005
     assert (record.format, record.unit_factor, record.processed) == ("csmip_v2", 0.01, True)
-    assert record.start_time == datetime(2014, 8, 24, 10, 20, 33, tzinfo=UTC)
+    assert record.start_time == datetime(2019, 7, 6, 3, 19, 58, tzinfo=UTC)
     assert record.azimuth == 90.0
     assert record.header_peak == pytest.approx(2.5)
     assert record.warnings == ()
