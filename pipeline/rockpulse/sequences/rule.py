@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -188,24 +187,17 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     source = files("rockpulse.sequences").joinpath(SHIPPED) if path is None else Path(path)
     text = source.read_text(encoding="utf-8") if path is None else read_text(Path(path), TOML_LIMIT, "a TOML file")
     table = parse_toml(text, str(source))
-    section = table.get(point)
-    factor = section.get("factor") if isinstance(section, Mapping) else None
-    if not isinstance(factor, (int, float)) or isinstance(factor, bool):
-        raise ConfigError(f"{source}: expected a number as the key factor of [{point}], as in {SHIPPED} of the package")
-    return replace(Rule(point, float(factor)), within=_range(table, str(source)))
-
-
-def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, float]]:
-    section = table.get("range")
-    if not isinstance(section, Mapping) or not section or not set(section) <= set(TRAITS):
+    try:
+        factor = float(table[point]["factor"])
+        within = {name: (float(least), float(most)) for name, (least, most) in table["range"].items()}
+    except (AttributeError, KeyError, TypeError, ValueError):
+        within = {}
+    if not within or not within.keys() <= TRAITS.keys() or any(least > most for least, most in within.values()):
         raise ConfigError(
-            f"{source}: expected [range] with one or more of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
+            f"{source}: expected a number as the key factor of [{point}] and, in [range], two numbers [lowest, "
+            f"highest] for one or more of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
         )
-    for name, ends in section.items():
-        numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])
-        if not numeric or not ends[0] <= ends[1]:
-            raise ConfigError(f"{source}: [range] {name}: expected two numbers [lowest, highest], got {ends!r}")
-    return {name: (float(least), float(most)) for name, (least, most) in section.items()}
+    return Rule(point, factor, within)
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:

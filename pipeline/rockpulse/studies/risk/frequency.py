@@ -59,16 +59,6 @@ def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
     return "; ".join([*warnings, wanted])
 
 
-def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
-    """Describe the records and the distribution on which a fragility curve is based."""
-    settings, chosen = config.fragility, config.fragility.selection is not None
-    of, alike = (
-        ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
-    )
-    shown = f"{counted(records, 'record')} of {counted(events, 'event')}"
-    return f"of {of}; {model}, {settings.equation} equation, {shown}, {alike}"
-
-
 class _RiskOptions(NamedTuple):
     family: Family
     hazard: Hazard
@@ -113,6 +103,10 @@ def fragility_frequency(
         )
     ensemble = stored_ensemble(fragility)
     settings = ensemble.config.fragility
+    of, alike = DATA[settings.data], "equally weighted"
+    if settings.selection is not None:
+        of, alike = "records chosen elsewhere", "weighted as given"
+    shown = f"{counted(len(ensemble.ids), 'record')} of {counted(len(set(ensemble.clusters)), 'event')}"
     model = settings.overturning_model if limit_state == OVERTURNING else settings.model
     asked = _RiskOptions(FAMILIES[model], hazard, years, level, resamples, seed, limit_state == UPLIFT)
     place = states.index(limit_state), measures.index(hazard.measure)
@@ -128,7 +122,7 @@ def fragility_frequency(
     risk.attrs.update(
         hazard=hazard.words,
         hazard_conditions=hazard_conditions(hazard.warnings, ensemble.config),
-        fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
+        fragility=f"of {of}; {model}, {settings.equation} equation, {shown}, {alike}",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
@@ -144,7 +138,10 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
-    if asked.uplift and _uplift_level_known(rows, floor):
+    lifted = math.exp(floor)
+    against = (rows.kind == ABOVE) & (rows.level > lifted * (1.0 + 1e-9))
+    against |= (rows.kind == NOT_ABOVE) & (rows.level < lifted)
+    if asked.uplift and lifted > 0.0 and not np.any(against):
         with np.errstate(divide="ignore"):
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
@@ -203,10 +200,8 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {counted(events, 'event')}, but {FEWEST_EVENTS} are needed"}
-    estimate = math.log(whole.frequency)
-    limits = band_of(
-        rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
-    )
+    asked_for = asked.confidence, asked.resamples, asked.seed, floor
+    limits = band_of(rows, asked.family, asked.hazard, lines, math.log(whole.frequency), *asked_for)
     lost = f"{limits.lost:.0%} of the resamples give no curve, or no curve without one of their earthquakes"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
@@ -219,13 +214,6 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     for end, value in (("low", limits.low), ("high", limits.high)):
         found |= {f"frequency_{end}": value, f"probability_{end}": -math.expm1(-value * asked.years)}
     return found
-
-
-def _uplift_level_known(rows: Observations, floor: float) -> bool:
-    """Return whether the level at which the body lifts is known and agrees with all observations."""
-    lifted, level = math.exp(floor), rows.level
-    against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
-    return lifted > 0.0 and not np.any(against)
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:

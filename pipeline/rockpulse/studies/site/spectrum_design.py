@@ -67,16 +67,6 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     return record, factor
 
 
-def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
-    """Return a warning if scale factors of records are unusually small or large, otherwise an empty list."""
-    low, high = USUAL_FACTORS
-    odd = int(np.count_nonzero((factors < low) | (factors > high)))
-    if not odd:
-        return []
-    ends = {"low": low, "high": high, "least": float(factors.min()), "most": float(factors.max())}
-    return [WarningText("scaled_far_in_all", count=odd, total=factors.size, **ends)]
-
-
 #: Smallest number of earthquakes for a design spectrum.
 FEWEST_EVENTS = 5
 #: For each parameter of the design sequence: the variable of the records whose median it is.
@@ -167,7 +157,10 @@ def spectrum_design(
         warnings = [*warnings, WarningText("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
         warnings = [*warnings, WarningText("vertical_left_out")]
-    warnings = [*warnings, *unusual_factors_warning(done["scale_factor"])]
+    factors, (low, high) = done["scale_factor"], USUAL_FACTORS
+    if odd := int(np.count_nonzero((factors < low) | (factors > high))):
+        ends = {"low": low, "high": high, "least": float(factors.min()), "most": float(factors.max())}
+        warnings = [*warnings, WarningText("scaled_far_in_all", count=odd, total=factors.size, **ends)]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
