@@ -3,7 +3,7 @@
 import logging
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
@@ -17,7 +17,6 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
-from rockpulse.selection.duplicate_selection import Twin
 from rockpulse.selection.twins import (
     Comparison,
     clock_candidates,
@@ -78,13 +77,13 @@ class VerticalRefused(RecordRefused):
 
 
 def plan_motions(
-    records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
+    records: Sequence[Record], config: Config, twins: Mapping[str, list[Comparison]] | None = None
 ) -> tuple[list[PlannedMotion], list[Failure]]:
     """Return the channels and pairs to be assessed according to section [records], and failures of other channels.
 
     A channel without a pair is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a
     value of an intensity measure, each single channel is kept together with the other channel of its pair, because both
-    channels have the same scale factor. `twins` are the rejected duplicates, with which accepted records are compared.
+    channels have the same scale factor. `twins` are comparisons with rejected duplicates, by id of the accepted record.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     pairs, alone = find_pairs(horizontal)
@@ -103,7 +102,7 @@ def plan_motions(
         place = {id(record): number for number, record in enumerate(horizontal)}
         planned += [one for one in facing if one is not None]
         planned.sort(key=lambda one: place[id(one.channels[0])])
-    planned = _with_comparisons(planned, horizontal, partner, twins)
+    planned = _with_comparisons(planned, horizontal, partner, twins or {})
     if any(one.selection is None for one in config.demands):
         planned = [one if one.rotated else _with_partner(one, partner.get(id(one.channels[0]))) for one in planned]
     if not config.records.include_vertical:
@@ -169,18 +168,18 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
 
 
 def _with_comparisons(
-    planned: Iterable[PlannedMotion], horizontal: Sequence[Record], partner: dict[int, Record], twins: Iterable[Twin]
+    planned: Iterable[PlannedMotion],
+    horizontal: Sequence[Record],
+    partner: dict[int, Record],
+    twins: Mapping[str, list[Comparison]],
 ) -> list[PlannedMotion]:
     """Add to each record to be assessed the other records with which its channels are compared."""
-    by_id: dict[str, list[Twin]] = defaultdict(list)
-    for twin in twins:
-        by_id[twin.accepted.id].append(twin)
     clocks, copies, found = clock_candidates(horizontal), copy_candidates(horizontal), []
     near = partner | uneven_partners(horizontal, partner)
     for one in planned:
         comparisons = list(component_comparisons(one.channels, near))
         for place, channel in enumerate(one.channels):
-            comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in by_id[channel.id]]
+            comparisons += [replace(twin, channel=place) for twin in twins.get(channel.id, ())]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
             elif id(channel) in copies and copies[id(channel)] is not partner.get(id(channel)):

@@ -8,7 +8,6 @@ recording is the set of channels that one instrument recorded together.
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter, itemgetter
 from pathlib import PurePath
@@ -17,19 +16,11 @@ from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
 from rockpulse.record.record import Record, id_matches
+from rockpulse.selection.twins import Comparison
 from rockpulse.warning_text import find
 
 #: Largest angle between two channels that are regarded as parallel [degrees].
 SAME_DIRECTION = 5.0
-
-
-@dataclass(frozen=True, eq=False)
-class Twin:
-    """A rejected duplicate, and the accepted record of the same ground motion."""
-
-    accepted: Record
-    rejected: Record
-    beside: tuple[Record, ...]  # the other channels that were recorded together with the rejected one
 
 
 _PROCESSED = {True: "a processed record", None: "one that may be processed", False: "a raw one"}
@@ -40,15 +31,15 @@ def without_duplicates(
     settings: RecordSettings | None = None,
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
-) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """Return one record of each ground motion, a failure for each duplicate, and the duplicates to be compared.
+) -> tuple[list[Record], list[Failure], dict[str, list[Comparison]]]:
+    """Return one record of each ground motion, a failure for each duplicate, and comparisons of some accepted records.
 
     Recordings are compared by these criteria, in this order: a recording is preferred if it is at the surface; if the
     user has confirmed it; if all its horizontal channels are usable; if it has a pair or a vertical channel, if these
     are requested; if it is processed; if its sampling rate is higher; if it is longer; if its path comes first. A dead
     channel, or a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records]
     keep`` are assessed in addition to the chosen record. The reason of each failure ends with `advice`. A duplicate is
-    to be compared with the accepted record (:class:`Twin`) if both have the same direction.
+    to be compared with the accepted record, by the id of which the comparisons are given, if both have one direction.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -58,12 +49,13 @@ def without_duplicates(
         if site is not None:
             sites[site].append(record)
     rejected: dict[int, Failure] = {}
-    twins: list[Twin] = []
+    twins: dict[str, list[Comparison]] = defaultdict(list)
     for members in sites.values():
         for at_once in _at_once(members):
             selection = _DuplicateSelection(at_once, settings, advice)
             rejected |= selection.rejected
-            twins += selection.twins
+            for name, comparison in selection.twins:
+                twins[name].append(comparison)
     selected = [record for record in records if id(record) not in rejected]
     return selected, [*rows, *(rejected[id(record)] for record in records if id(record) in rejected)], twins
 
@@ -147,7 +139,7 @@ class _DuplicateSelection:
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings, self.advice = settings, advice
         self.rejected: dict[int, Failure] = {}
-        self.twins: list[Twin] = []
+        self.twins: list[tuple[str, Comparison]] = []  # id of an accepted record, and a rejected one of its direction
         if len(records) == 1:
             return
         self.recordings = sorted(_recordings(records, settings.confirm), key=lambda recording: recording.rank(settings))
@@ -177,7 +169,8 @@ class _DuplicateSelection:
             faults = [bool(_fault(one, self.settings.confirm)) for one in (record, accepted)]
             alike = _one_direction(record, accepted) and recording.level == of_accepted.level
             if alike and record.orientation != "vertical" and faults[0] <= faults[1]:
-                self.twins.append(Twin(accepted, record, tuple(one for one in recording.channels if one is not record)))
+                beside = tuple(one for one in recording.channels if one is not record)
+                self.twins.append((accepted.id, Comparison("duplicate", 0, record, beside)))
 
     def _same(self, record: Record, accepted: Record, of_accepted: _Recording, recording: _Recording) -> bool:
         """Return whether a record and an accepted record of another recording contain the same ground motion."""

@@ -1,7 +1,7 @@
 """Estimators of the parameters of an impulse sequence from the half-waves of a record."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
@@ -112,26 +112,20 @@ def record_sequence(
     >>> round(sequence.main, 6), round(sequence.secondary, 6), sequence.main_count
     (0.425, 0.1625, 1)
     """
-    choices: tuple[tuple[str, str, Mapping[str, object]], ...] = (
-        ("main", main, MAIN),
-        ("secondary", secondary, SECONDARY),
-        ("interval", interval, INTERVAL),
-        ("spacing", spacing, SPACINGS),
+    whole, known_count = "a whole number of at least 1", main_count in MAIN_COUNT or _is_count(main_count)
+    checks: tuple[tuple[str, object, bool, str], ...] = (
+        ("main", main, main in MAIN, f"one of {', '.join(MAIN)}"),
+        ("secondary", secondary, secondary in SECONDARY, f"one of {', '.join(SECONDARY)}"),
+        ("interval", interval, interval in INTERVAL, f"one of {', '.join(INTERVAL)}"),
+        ("spacing", spacing, spacing in SPACINGS, f"one of {', '.join(SPACINGS)}"),
+        ("main_count", main_count, known_count, f"one of {', '.join(MAIN_COUNT)} or {whole}"),
+        ("duration_s", duration_s, duration_s is None or 0.0 < duration_s < math.inf, "a positive duration in s"),
+        ("m", m, _is_count(m), whole),
+        ("quantile", quantile, 0.0 <= quantile <= 1.0, "a probability from 0 to 1"),
     )
-    for name, value, table in choices:
-        if value not in table:
-            raise ConfigError(f"record_sequence: {name}: expected one of {', '.join(table)}, got {value!r}")
-    if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
-        raise ConfigError(
-            f"record_sequence: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number of at least 1, "
-            f"got {main_count!r}"
-        )
-    if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
-        raise ConfigError(f"record_sequence: duration_s: expected a positive duration in s, got {duration_s!r}")
-    if not _is_count(m):
-        raise ConfigError(f"record_sequence: m: expected a whole number of at least 1, got {m!r}")
-    if not 0.0 <= quantile <= 1.0:
-        raise ConfigError(f"record_sequence: quantile: expected a probability from 0 to 1, got {quantile!r}")
+    for name, value, valid, expected in checks:
+        if not valid:
+            raise ConfigError(f"record_sequence: {name}: expected {expected}, got {value!r}")
     inside = waves if phase is None else waves.between(phase.start, phase.end)
     where = waves.record_id or "half-waves"
     if len(inside) < FEWEST_WAVES:

@@ -83,11 +83,6 @@ def test_a_block_has_half_the_full_sizes_and_a_lane_for_each_restitution():
     assert block.restitution.tolist() == [0.8, 0.9]
 
 
-def test_a_block_by_parameters_keeps_them():
-    block = BlockSettings(name="statue", p=2.1, alpha=0.25, restitution=0.9).block()
-    assert (block.p, block.alpha_c, block.restitution) == (2.1, 0.25, 0.9)
-
-
 def test_block_option_may_hold_an_equals_sign_in_its_name():
     assert parse_block_option("wall=2=0.3X2.4") == BlockSettings(name="wall=2", width=0.3, height=2.4)
 

@@ -84,19 +84,6 @@ def test_the_folder_of_the_file_is_no_pattern_whatever_its_name(tmp_path):
     assert file == folder / "b[1].AT2"
 
 
-def test_a_byte_order_mark_is_no_key(tmp_path):
-    path = tmp_path / "site.toml"
-    path.write_bytes(b"\xef\xbb\xbf[run]\nseed = 2\n")
-    assert load_config(path).run.seed == 2
-
-
-def test_a_file_in_another_encoding_is_refused(tmp_path):
-    path = tmp_path / "site.toml"
-    path.write_bytes('[site]\nname = "Città"'.encode("latin-1"))
-    with pytest.raises(ConfigError, match="UTF-8"):
-        load_config(path)
-
-
 _numbers = st.floats(min_value=1e-6, max_value=1e6)
 _texts = st.text(st.characters(codec="utf-8"), max_size=12)
 _names = _texts.filter(lambda name: name.strip() and "/" not in name and name.isprintable())

@@ -15,7 +15,6 @@ from rockpulse import FragilitySettings
 from rockpulse.config.configuration import Config, SearchSettings
 from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
-from rockpulse.studies.fragility.ensemble import fit_ensemble, stored_ensemble
 
 BLOCKS = {"wall": Block(0.6, 3.0), "pier": Block(1.0, 3.873)}
 STATES, LEVELS = ("uplift", 0.4, "overturning"), (0.4, 0.7, 1.2)
@@ -262,18 +261,6 @@ def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
         "data": "ida",
         "confidence": 0.9,
     }
-
-
-@pytest.mark.parametrize("data", ["ida", pytest.param("stripes", marks=pytest.mark.sweep)])
-def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, striped, data):
-    found = tree if data == "ida" else striped
-    stored = stored_ensemble(found)
-    again = fit_ensemble(stored, [[0], [1]])
-    for name in ("median", "beta_high"):
-        expected = found["fragility"][name].transpose("block", "limit_state", "measure").values
-        np.testing.assert_array_equal(again.of(name).astype(float), expected)
-    slope = found["efficiency"]["slope"].transpose("block", "limit_state", "measure", "quality").values
-    np.testing.assert_array_equal(again.slope, slope)
 
 
 @pytest.mark.sweep

@@ -78,17 +78,6 @@ def test_a_truncated_analysis_is_the_censored_fit_of_scipy():
     np.testing.assert_allclose([-a / b, 1.0 / b], [mean, deviation], rtol=1e-4)  # as near as scipy's search goes
 
 
-def test_weights_count_rows_as_often():
-    x, kind = mixed_rows()
-    times = np.random.default_rng(2).integers(0, 4, x.size)
-    family, design = FAMILIES["lognormal"], np.stack([np.ones(x.size), x], axis=1)
-    weighted = maximise(family, design, kind, np.stack([np.ones(x.size), times]))[1]
-    repeated = maximise(
-        family, design[np.repeat(np.arange(x.size), times)], np.repeat(kind, times), np.ones((1, times.sum()))
-    )
-    np.testing.assert_allclose(weighted, repeated[0], rtol=1e-10)
-
-
 @pytest.mark.parametrize("model", FAMILIES)
 def test_without_known_capacities_a_curve_may_fall(model):
     """Two levels of which 3 and then 1 of 4 motions reached the state: F is 3/4 and 1/4 there."""

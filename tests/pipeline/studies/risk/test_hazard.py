@@ -200,12 +200,3 @@ def test_the_grid_of_the_italian_norm_has_nine_return_periods_a_node(tmp_path, a
     # Without a soil factor it is said that the levels are those on rock.
     bare = rp.load_hazard(written(tmp_path, grid(above)), (13.46, 42.37))
     assert "a_g is given for rock" in bare.warnings[-1]
-
-
-def test_return_periods_by_hand_may_have_decimal_commas(tmp_path):
-    text = "TR [anni];ag [g];F0\n" + "".join(
-        f"{period};{0.04 * (period / 30) ** 0.4:.4f};2,4\n".replace(".", ",") for period in PERIODS
-    )
-    curve = rp.load_hazard(written(tmp_path, text))
-    assert curve.level.size == 9
-    assert curve.rate(0.04 * G) == pytest.approx(1.0 / 30.0)

@@ -92,14 +92,6 @@ def test_the_number_of_main_impulses_can_be_given_and_must_be_one():
         site(settings=dataclasses.replace(config(), sequence=SequenceSettings(main_count="none")))
 
 
-def test_one_earthquake_has_no_design_but_its_spectra():
-    one = rp.calibrate([dataclasses.replace(record, event="Kobe") for record in RECORDS[:2]], config(), BLOCKS)
-    found = one["site"].to_dataset()
-    assert str(found["site_warnings"].item()).startswith("not enough earthquakes (1; at least 7")
-    assert np.isnan(found["main"]).all()
-    assert np.isfinite(one["spectra"]["spectrum"]).all()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("measure", SCALING)
 def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
@@ -116,14 +108,6 @@ def test_scaled_beyond_the_usual_is_said():
     assert "2 of 2 records are scaled by less than 0.25 or more than 4" in str(far["site_warnings"].item())
     assert "scaled by" in str(far["warnings"][0].item())
     assert "scaled by" in str(far["processing"][0].item())
-
-
-@pytest.mark.slow
-def test_weights_by_event_give_every_event_the_same():
-    records = [*RECORDS, *(shake(0, 1.5, name=f"more{number}") for number in range(3))]
-    found = site(records, weights="event")
-    sums = found["weight"].groupby(found["event"]).sum()
-    np.testing.assert_allclose(sums, len(records) / 8)
 
 
 @pytest.mark.sweep
