@@ -89,6 +89,19 @@ def test_directions_and_senses(write, word, orientation, azimuth, sign, noted):
     assert bool(record.warnings) is noted
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "note"),
+    [
+        (b"/400/400/400", b"/398/398/398", "the header states 398 samples, but the file has 400 rows; all are kept"),
+        (b"CANALES                      : 3", b"CANALES                      : 6", "the header states 6 channels, but"),
+    ],
+)
+def test_other_counts_in_the_header_are_told(write, before, after, note):
+    record = read(write(asa(TABLE).replace(before, after)))[0]
+    assert record.npts == 400
+    assert record.warnings[0].startswith(note)
+
+
 def test_more_than_six_channels(write):
     words = ("V", "N90E", "N00E", "V", "N90E", "N00E", "S45E", "L")
     table = np.round(np.column_stack([pulse(100, 1.0 + number) for number in range(8)]), 3)
@@ -109,13 +122,6 @@ def test_channels_of_different_lengths(write):
     content[113] = content[113][:29] + b"x"
     with pytest.raises(RecordFormatError, match=r"test.012:114: expected a finite number"):
         read(write(b"\n".join(content)))
-
-
-def test_rows_beyond_the_count_are_kept_with_a_warning(write):
-    content = asa(TABLE).replace(b"/400/400/400", b"/398/398/398")
-    record = read(write(content))[0]
-    assert record.npts == 400
-    assert "states 398 samples, but the file has 400 rows" in record.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -139,9 +145,8 @@ def test_rows_beyond_the_count_are_kept_with_a_warning(write):
 def test_spellings_of_the_header(write, before, after):
     content = asa(TABLE)
     assert before in content
-    for record, column, word in zip(
-        read(write(content.replace(before, after))), TABLE.T, ["V", "N90E", "N00E"], strict=True
-    ):
+    records = read(write(content.replace(before, after)))
+    for record, column, word in zip(records, TABLE.T, ["V", "N90E", "N00E"], strict=True):
         assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
         assert (record.dt, record.component, record.warnings) == (0.004, word, ())
 
@@ -181,11 +186,6 @@ def test_the_number_of_the_largest_sample_is_held_against_the_samples(write, sam
     assert [len(record.warnings) for record in read(write(content))] == [0, told, 0]
 
 
-def test_another_number_of_channels_is_told(write):
-    content = asa(TABLE).replace(b"CANALES                      : 3", b"CANALES                      : 6")
-    assert read(write(content))[2].warnings == ("the header states 6 channels, but the file has 3 columns",)
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -202,22 +202,13 @@ def test_another_number_of_channels_is_told(write):
         (b"\n".join(asa(TABLE).splitlines()[:108]), "expected 'DATOS DE ACELERACION:'"),
         (asa(TABLE, intervals=(0.005, 0.004, 0.004)), r"test.012:47: expected intervals \[s\] that fit the rates"),
         (asa(TABLE, intervals=(0, 0, 0), rate=(1e-9, 250, 250)), r"test.012:47: expected intervals"),
-        (
-            asa(TABLE, intervals=(0, 0, 0)).replace(b"/250/250/250", b"/0/0/0"),
-            r"test.012:47: expected intervals .* found '/0/0/0' and '/0/0/0'",
-        ),
+        (asa(TABLE, intervals=(0, 0, 0)).replace(b"/250/250/250", b"/0/0/0"), r"found '/0/0/0' and '/0/0/0'"),
         (asa(TABLE).replace(b"NUM. TOTAL DE MUESTRAS", b"N"), r"test.012:1: expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE, headings=("V", "N00E", "N90E")), r"test.012:108: expected the directions of 3 channels"),
         (asa(TABLE)[:3000], "expected 'DATOS DE ACELERACION:'"),
         (asa(TABLE)[:-5000], "expected 400 rows"),
-        (
-            asa(TABLE).replace(b"    0.000    -0.000", b"    0.000    -0.0x0", 1),
-            r"test.012:110: expected a finite number",
-        ),
-        (
-            asa(TABLE).replace(b"    0.000    -0.000", b"    0.000   -0.000", 1),
-            r"test.012:110: expected 3 fields of 10",
-        ),
+        (asa(TABLE).replace(b"  0.000    -0.000", b"  0.000    -0.0x0", 1), "test.012:110: expected a finite number"),
+        (asa(TABLE).replace(b"  0.000    -0.000", b"  0.000   -0.000", 1), "test.012:110: expected 3 fields of 10"),
     ],
 )
 def test_damage_is_named(write, content, message):

@@ -78,7 +78,6 @@ def without_row(content: bytes, row: int) -> bytes:
         (cwb(THREE).replace(b"#SampleRate", b"#Sample"), "stream:1: expected a line '#SampleRate"),
         (cwb(THREE, sequence="Time"), "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, sequence="U(+); N(+); E(+)"), "stream:21: expected '#DataSequence: Time U"),
-        (cwb([one[:1] for one in THREE], length="0.01"), "expected at least 2 samples, found 1"),
         (cwb(THREE, unit="stone. DC"), "stream:17: unknown unit of acceleration 'stone'"),
         (cwb(THREE, layout="3F10.3"), "stream:22: expected '#Data: 4F10.3'"),
         (cwb(THREE, layout="4F0.3"), "expected fields of at least 1 character"),

@@ -56,10 +56,6 @@ LETTER = geonet((THREE[0], np.concatenate([[-5.0], THREE[1]]), THREE[2])).replac
         (geonet(THREE).replace(b"      10       0       2", b"      1o       0       2"), "stream:113:"),
         (LETTER, r"stream:74: expected a finite number, found '5x'"),
         (geonet(THREE).replace(b" at intervals of 0.005 s", b""), "stream:11: .* of 0.005 s"),
-        (
-            geonet(THREE).replace(b" 0.005 s", b" 0.000 s").replace(b"  0.0050  0.0050", b"  0.0050  0.0000"),
-            "stream:11: expected an interval of 0 s",
-        ),
         (geonet(THREE).replace(b"     203       0", b"     203      -1"), r"stream:20: .* found \[203, -1, 0\]"),
         (geonet(THREE) + b"more\n", "expected the title of component 4"),
     ],
@@ -89,9 +85,8 @@ def test_an_azimuth_that_text_and_integer_do_not_agree_on(coded, azimuth):
 def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padding, told):
     content = geonet(THREE)
     times = 0.005 * np.arange(203)
-    (record, *_) = got(
-        content.replace(b"    1.01    0.00    0.00    1.01", f"    1.01{padding}    0.00    1.01".encode())
-    )
+    padded = content.replace(b"    1.01    0.00    0.00    1.01", f"    1.01{padding}    0.00    1.01".encode())
+    record = got(padded)[0]
     assert len(record.warnings) == told
     if told:
         peak = times[int(np.argmax(np.abs(THREE[0])))]
@@ -105,10 +100,8 @@ def test_components_without_a_name_are_counted():
     content = content.replace(b"1.00 mm/s/s", b"1.00 cm/s/s", 2).replace(b"1.00 cm/s/s", b"1.00 mm/s/s", 1)
     records = got(content)
     assert [record.channel for record in records] == ["1", "2", "3"]
-    assert all(
-        "the units of one file differ: mm/s2 (1), cm/s2 (2), mm/s2 (3)" in " ".join(record.warnings)
-        for record in records
-    )
+    note = "the units of one file differ: mm/s2 (1), cm/s2 (2), mm/s2 (3)"
+    assert all(note in " ".join(record.warnings) for record in records)
 
 
 def test_a_file_that_ends_before_its_third_component_says_so():

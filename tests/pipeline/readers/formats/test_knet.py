@@ -79,10 +79,7 @@ def test_the_numbers_of_kik_net_s_directions(write, number, channel, orientation
         (b"\n".join(knet(COUNTS).split(b"\n")[:9]), "expected 17 header lines"),
         (knet(COUNTS, scale="2000(gal)/0"), ":14: expected 'Scale Factor'"),
         (knet(COUNTS, scale="0(gal)/8388608"), ":14: expected 'Scale Factor'"),
-        (
-            knet(COUNTS).replace(b"Time(s)  5", b"Time(s)  0"),
-            ":11: expected a sampling frequency and a duration that fit",
-        ),
+        (knet(COUNTS).replace(b"Time(s)  5", b"Time(s)  0"), ":11: expected a sampling frequency and a duration that"),
         (knet(COUNTS).replace(b"-18000", b"-18x00", 1), r":18: expected a finite number, found '-18x00'"),
         (knet(COUNTS).replace(b"Station Code", b"Station Cake"), "obspy cannot read it as KNET"),
         (knet(COUNTS).replace(b"100Hz", b"0Hz  "), "expected|obspy cannot read"),

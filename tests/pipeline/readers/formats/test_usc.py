@@ -64,15 +64,10 @@ def test_the_facts_of_both_volumes(write):
     hypocentre = (35 + 46 / 60 + 12 / 3600, -(117 + 35 / 60 + 56 / 3600))
     reals = b"".join(b"%10.1f" % real for real in (9.5, 10.5, 121.5, 5.5, 13.5, 11.5, 15.5, 16.5))
     first = rewritten(22, lambda line: reals)
-    for content, event in (
-        (first, "TEST EARTHQUAKE JAN 17, 1994 -1230 GMT"),
-        (
-            first.replace(b"TEST EARTHQUAKE   JAN", b"                  JAN").replace(
-                b"   JAN 17, 1994 -1230 GMT", b" " * 25
-            ),
-            "TEST EARTHQUAKE",
-        ),
-    ):
+    unnamed = first.replace(b"TEST EARTHQUAKE   JAN", b" " * 18 + b"JAN").replace(
+        b"   JAN 17, 1994 -1230 GMT", b" " * 25
+    )
+    for content, event in ((first, "TEST EARTHQUAKE JAN 17, 1994 -1230 GMT"), (unnamed, "TEST EARTHQUAKE")):
         (record,) = read(write(content))
         assert (record.event, record.station, record.magnitude) == (event, "0017", 5.5)
         assert (record.epicentral_distance, record.hypocentre_depth) == (121_500.0, 11_500.0)
