@@ -129,21 +129,21 @@ def test_accelerations_that_run_like_time_are_named_by_their_own_heading(write):
 @pytest.mark.parametrize("count", [50, 51])
 def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_left_out(write, count):
     steps = np.arange(count)
+
+    def spectrum(first, quantity, **options):
+        return read(write(table(first, VALUES[:count], header=f"{quantity}  acc (g)\n")), units="g", **options)
+
     with pytest.raises(NotAcceleration, match=r"found columns over 'period \(s\)', a spectrum"):
-        read(write(table(6.0 - 0.1 * steps, VALUES[:count], header="period (s)  acc (g)\n")), units="g")
-    (record,) = read(
-        write(table(0.1 * (steps % 7), VALUES[:count], header="frequency (Hz)  acc (g)\n")), units="g", dt=0.01
-    )
+        spectrum(6.0 - 0.1 * steps, "period (s)")
+    (record,) = spectrum(0.1 * (steps % 7), "frequency (Hz)", dt=0.01)
     assert record.acceleration == pytest.approx(VALUES[:count] * STANDARD_GRAVITY, rel=1e-12)
     assert record.warnings == ("columns left out because they are no accelerations: frequency (Hz)",)
-    with pytest.raises(RecordFormatError, match="expected accelerations, found column 1, which increases like times"):
-        read(write(table(0.1 * steps, header="frequency (Hz)\n")), units="g", dt=0.01)
-    (record,) = read(
-        write(table(5.0 - 0.1 * (steps // 2), VALUES[:count], header="period (s)  acc (g)\n")), units="g", dt=0.01
-    )
+    (record,) = spectrum(5.0 - 0.1 * (steps // 2), "period (s)", dt=0.01)
     assert record.warnings == ("columns left out because they are no accelerations: period (s)",)
     with pytest.raises(RecordFormatError, match="expected equally spaced times in the first column"):
-        read(write(table(0.1 * (steps // 2), VALUES[:count], header="frequency (Hz)  acc (g)\n")), units="g", dt=0.01)
+        spectrum(0.1 * (steps // 2), "frequency (Hz)", dt=0.01)
+    with pytest.raises(RecordFormatError, match="expected accelerations, found column 1, which increases like times"):
+        read(write(table(0.1 * steps, header="frequency (Hz)\n")), units="g", dt=0.01)
 
 
 @pytest.mark.parametrize(
@@ -152,11 +152,7 @@ def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_
         ("", "end\n", "line 201: the numbers stop at 'end', and the header does not state how many there are"),
         ("NPTS = 200\n", "end\n", ""),
         ("NPTS = 200\n", "end\n1.0 2.0\n3.0 4.0\n", "line 202: the numbers stop at 'end'; 2 rows of numbers after"),
-        (
-            "",
-            "velocity\n1.0 2.0\n",
-            "line 201: the numbers stop at 'velocity'; 1 rows of numbers after it were left out",
-        ),
+        ("", "velocity\n1.0 2.0\n", "line 201: the numbers stop at 'velocity'; 1 rows of numbers after it were left"),
         ("", "\n \n", ""),
     ],
 )
