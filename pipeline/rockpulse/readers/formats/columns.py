@@ -122,13 +122,10 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     given = options.said_by("dt").removeprefix("the ")
     sources = {"time column": step, "first line": numbered.step, **steps, given: options.dt}
     dt = kit.agreed_step(file.name, sources, options.advice("dt") if options.dt else "correct the wrong one", given)
-    notes: list[str] = [
-        *columns.warnings,
-        *kit.held_units(zip((heading.name for heading in headings), units, strict=True)),
-    ]
-    notes += [
-        note for said in kit.stated_durations(prose) for note in kit.held_length(said.wording, len(columns.table), dt)
-    ]
+    names = [heading.name for heading in headings]
+    notes: list[str] = [*columns.warnings, *kit.held_units(zip(names, units, strict=True))]
+    for said in kit.stated_durations(prose):
+        notes += kit.held_length(said.wording, len(columns.table), dt)
     notes += [WarningText("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
     notes += [*kit.reversed_polarity(prose), *same_directions(headings, facing)]
     peaks = stated_peak(columns.table, units, prose)
@@ -142,10 +139,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             processed=None,
             component=heading.name or toward.label,
             facing=toward,
-            channel=kit.BRACKET.sub(_direction_in, heading.name).strip()
-            or toward.label
-            or kit.name_suffix(file)
-            or str(number),
+            channel=_without_unit(heading.name) or toward.label or kit.name_suffix(file) or str(number),
             station_name=kit.stated_station(prose),
             start_time=start_time or kit.stated_start(prose),
             warnings=notes,
@@ -189,9 +183,9 @@ def _with_one_time(columns: _Columns) -> _Columns:
     return columns.picked(order, f"further columns of times left out: {left}")
 
 
-def _direction_in(bracket: re.Match[str]) -> str:
-    """Return the text in brackets if it is a direction; empty if it is a unit."""
-    return bracket[1] if kit.is_direction(bracket[1].strip()) else ""
+def _without_unit(heading: str) -> str:
+    """Return a heading without the text in brackets, unless it is a direction."""
+    return kit.BRACKET.sub(lambda text: text[1] if kit.is_direction(text[1].strip()) else "", heading).strip()
 
 
 def _columns(
@@ -314,9 +308,8 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
         return
     if timed and width > _COMPONENTS:
         expected = f"headings, or at most {_COMPONENTS} columns beside the times"
-        raise kit.unexpected(
-            where, expected, f"{width} columns of numbers and no headings", _name_them(width + 1, True)
-        )
+        found = f"{width} columns of numbers and no headings"
+        raise kit.unexpected(where, expected, found, _name_them(width + 1, True))
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):

@@ -75,12 +75,12 @@ def _held(
     The text states `length` and `time`; the floating-point header values `numbers` are the length, the time and the
     peak [`unit` m/s2].
     """
-    lengths, times = (
-        (text, layout.real_header_value(behind, at)) for text, at in ((length, numbers[0]), (time, numbers[1]))
-    )
+    notes: list[str] = []
     count, spare = round(block.duration / block.dt), _LENGTH_TOLERANCE * block.duration
-    notes = [note for text in lengths for note in kit.held_length(text, count, block.dt, spare)]
-    notes += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+    for text in (length, layout.real_header_value(behind, numbers[0])):
+        notes += kit.held_length(text, count, block.dt, spare)
+    for text in (time, layout.real_header_value(behind, numbers[1])):
+        notes += kit.held_peak_time(text, block.times, block.values)
     return notes + layout.held_peak_real(behind, numbers[2], block, unit)
 
 
@@ -181,7 +181,7 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
     channel = f"the channel that begins at line {start + 1}"
     if not found:
         expected = f"a line 'N points of accel data equally spaced at ...' in {channel}"
-        raise kit.unexpected(f"{name}:{end}", expected, "none", "the file may be truncated: download it again")
+        raise kit.unexpected(f"{name}:{end}", expected, "none", kit.TRUNCATED)
     blocks = list(zip(found, [*(heading.at for heading in found[1:]), end], strict=True))
     for heading, behind in blocks:
         per_row = heading.layout[0] if heading.layout else 8
@@ -216,12 +216,8 @@ def _unit_and_peak(
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.ChannelSamples) -> list[str]:
     """Return warnings if the stated length, peak, interval or units contradict the samples."""
-    length, time, unit = (
-        kit.first_match(_LENGTH_2, text),
-        kit.first_match(_PEAK_2, text, 3),
-        kit.first_match(_PEAK_2, text, 2),
-    )
-    notes = _held(block, behind, (60, 65, 66), kit.UNITS["cm/s2"], length, time)
+    time, unit = (kit.first_match(_PEAK_2, text, group) for group in (3, 2))
+    notes = _held(block, behind, (60, 65, 66), kit.UNITS["cm/s2"], kit.first_match(_LENGTH_2, text), time)
     step, rounding = kit.printed_number(layout.real_header_value(behind, 61))
     if abs(step - block.dt) > 1.01 * rounding:
         value = f"floating-point value 61 of the header states an interval of {step:g} s"
@@ -244,11 +240,8 @@ def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     kept = [record for record in records if record.acceleration.any()]
     if not kept:
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")
-    notes = [
-        f"channel {number} ({record.component}) is dead, all samples are zero; it was left out"
-        for number, record in enumerate(records, start=1)
-        if not record.acceleration.any()
-    ]
+    dead = ((at, record.component) for at, record in enumerate(records, 1) if not record.acceleration.any())
+    notes = [f"channel {at} ({component}) is dead, all samples are zero; it was left out" for at, component in dead]
     return kit.with_warnings(kept, notes)
 
 

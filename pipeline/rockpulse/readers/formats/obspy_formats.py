@@ -135,8 +135,7 @@ def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
     if len(file.content) % length:
         found = f"{len(file.content) % length} bytes after the last"
-        advice = "the file may be truncated: download it again"
-        raise kit.unexpected(file.name, f"whole data records of {length} bytes", found, advice)
+        raise kit.unexpected(file.name, f"whole data records of {length} bytes", found, kit.TRUNCATED)
     groups: dict[str, list[Any]] = {}
     for trace in stream:
         groups.setdefault(trace.id, []).append(trace)
@@ -209,8 +208,8 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
     available = (len(file.content) - _SAC_HEADER) // 4
     if not 1 <= declared <= available:
-        advice = "the file may be truncated: download it again"
-        raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
+        expected = f"{declared} samples (header NPTS)"
+        raise kit.unexpected(file.name, expected, f"room for {available}", kit.TRUNCATED)
     for name, word in _COORDINATES.items():
         # obspy shifts longitudes by 360 degrees until they are in range, which never ends for absurd values.
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
