@@ -72,6 +72,7 @@ def test_no_start_is_no_news_and_a_rough_one_is():
         ({"SENSOR_DEPTH_M": "30.0"}, "30 m below the ground"),
         ({"DURATION_S": "30.0"}, "the header states a duration of 30 s, but 300 samples at 0.01 s last 3 s"),
         ({"PGA_CM/S^2": "-120.5"}, "the header states a peak of 0.1229 g"),
+        ({"NETWORK": "HI\nNETWORK: XX"}, "states NETWORK as 'HI' (line 14) and 'XX'; the first value is used"),
         *(
             ({key: "1E308"}, f"{key} is not a valid number: '1E308'")
             for key in ("PGA_CM/S^2", "TIME_PGA_S", "DURATION_S", "HIGH_CUT_FREQUENCY_HZ")
@@ -230,9 +231,3 @@ def test_a_place_in_the_line_of_the_location():
     portal = got_one(TADAS.encode() + dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME=""))
     assert (portal.station_name, portal.event) == ("", "OLD TOWN")
     assert got_one(dyna(VALUES, LOCATION="--")).location == ""
-
-
-def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
-    record = got_one(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
-    assert record.network == "HI"
-    assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first value is used" in record.warnings[0]

@@ -108,14 +108,24 @@ def test_the_stated_peak_is_the_larger_of_both_extremes(tmp_path, sign):
 
 
 def test_the_facts_of_the_header(tmp_path):
-    told = {"mag": 5.1, "evla": 35.5, "evlo": -117.25, "evdp": 8.0, "dist": 21.5, "stla": 35.75, "stlo": -117.5}
+    told = {
+        "mag": 5.1,
+        "evla": 35.5,
+        "evlo": -117.25,
+        "evdp": 8.0,
+        "dist": 21.5,
+        "stla": 35.75,
+        "stlo": -117.5,
+        "stdp": 55.0,
+    }
     (record,) = read(write_sac(tmp_path, channel="", b=10.0, o=4.5, kevnm="RIDGE", **told), units="g")
     assert record.origin_time == record.start_time - timedelta(seconds=5.5)
     assert (record.magnitude, record.hypocentre_depth, record.epicentral_distance) == (5.1, 8000.0, 21_500.0)
     assert (record.hypocentre_latitude, record.hypocentre_longitude) == (35.5, -117.25)
-    assert (record.station_latitude, record.station_longitude) == (35.75, -117.5)
+    assert (record.station_latitude, record.station_longitude, record.sensor_depth) == (35.75, -117.5, 55.0)
     assert (record.event, record.channel, record.id) == ("RIDGE", "1", "XX.ABC.00.1@20200102T030405")
-    assert read(write_sac(tmp_path, b=10.0, o=10.0), units="g")[0].origin_time is None
+    (record,) = read(write_sac(tmp_path, b=10.0, o=10.0), units="g")
+    assert (record.origin_time, np.isnan(record.sensor_depth)) == (None, True)
 
 
 def test_a_scale_is_told_and_words_that_are_not_set_are_not(tmp_path):
@@ -133,9 +143,3 @@ def test_the_version_of_the_header_tells_the_format(order, version, known):
     struct.pack_into(f"{order}i", head, 4 * 76, version)
     assert SAC.detect(bytes(head), "x") is known
     assert not SAC.detect(bytes(head[:631]), "x")
-
-
-@pytest.mark.parametrize("known", [{"stdp": 55.0}, {}])
-def test_the_depth_of_the_sensor_is_that_of_the_header(tmp_path, known):
-    (record,) = read(write_sac(tmp_path, **known), units="cm/s2")
-    np.testing.assert_equal(record.sensor_depth, known.get("stdp", np.nan))
