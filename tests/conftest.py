@@ -30,23 +30,27 @@ def pytest_runtestloop(session):
 
 
 @pytest.fixture(scope="session")
-def golden(tmp_path_factory, worker_id):
+def shared(tmp_path_factory, worker_id):
+    """The folder of a session, whichever worker asks for it."""
+    base = tmp_path_factory.getbasetemp()
+    return base if worker_id == "master" else base.parent
+
+
+@pytest.fixture(scope="session")
+def golden(shared):
     """Results of every study on short records, made once a session (tests/golden.py)."""
     from golden import golden
 
-    base = tmp_path_factory.getbasetemp()
-    return golden((base if worker_id == "master" else base.parent) / "golden")
+    return golden(shared / "golden")
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _marched_once(tmp_path_factory, worker_id):
+def _marched_once(shared):
     """Marches of slender blocks are done once a session (tests/marched_once.py)."""
     from marched_once import keep_marches
 
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "marches"
-    folder.mkdir(exist_ok=True)
-    keep_marches(folder)
+    (shared / "marches").mkdir(exist_ok=True)
+    keep_marches(shared / "marches")
 
 
 @pytest.fixture(scope="session")

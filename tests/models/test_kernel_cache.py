@@ -110,7 +110,6 @@ HEALED = {
     "a bit of the code": (lambda path, _: changed(path), True),
     "another kernel": (lambda path, _: other_kernel(path), True),
     "no pickle": (lambda path, _: path.write_bytes(signed(b"no pickle")), True),
-    "another content": (lambda path, _: path.write_bytes(signed(b"N.")), True),
     "a class that is gone": (lambda path, _: path.write_bytes(signed(b"crocking.gone\nKernel\n.")), True),
     "another user's": (lambda path, monkeypatch: monkeypatch.setattr(os, "geteuid", lambda: 4711), True),
     "faulty disk": (lambda path, monkeypatch: raising("read_bytes", errno.EIO, monkeypatch), True),

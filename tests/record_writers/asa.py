@@ -27,7 +27,6 @@ def asa(
     layout: str = "3F10.3",
     quality: str = "Registro digital completo con tiempo absoluto correcto",
     encoding: str = "ascii",
-    end: str = "\r\n",
 ) -> bytes:
     """Rows of a (n, channels) table [gal]; in an encoding other than ASCII the header has its accents."""
     given = counts or [len(values)] * len(words)
@@ -71,7 +70,7 @@ def asa(
     ]
     for row, line in enumerate(values):
         table.append("".join(f"{one:10.3f}" if row < given[at] else " " * 10 for at, one in enumerate(line)))
-    return (end.join([*text.splitlines(), *table]) + end).encode(encoding)
+    return ("\r\n".join([*text.splitlines(), *table]) + "\r\n").encode(encoding)
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

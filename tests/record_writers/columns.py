@@ -19,9 +19,7 @@ OPTIONS = {
 }
 
 
-def columns(
-    values: np.ndarray, header: str = "", separator: str = " ", field: str = "{:.6f}", end: str = "\n"
-) -> bytes:
+def columns(values: np.ndarray, header="", separator=" ", field="{:.6f}", end="\n") -> bytes:
     """Rows of a (n, columns) table."""
     rows = (separator.join(field.format(value) for value in row) for row in values)
     return (header + end.join(rows) + end).encode()
@@ -35,34 +33,23 @@ def table(*series: np.ndarray, header: str = "", delimiter: str = " ", number: s
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """One column, DEEPSOIL, commas with headings, semicolons with decimal commas, tabs, series wrapped into rows."""
     east, north, up = (channel.acceleration for channel in channels)
-    time = channels[0].time
-    gal = 100.0 * np.column_stack([east, north, up])
-    commas = columns(np.column_stack([time, north]), separator=";", field="{:.5f}", end="\r\n").replace(b".", b",")
-    return {
-        "clc_one_column.txt": columns(east[:, None] / STANDARD_GRAVITY, f"# {NOTE}\n", field="{:.8f}"),
-        "clc_deepsoil.txt": columns(
-            np.column_stack([time, east / STANDARD_GRAVITY]), f"{NOTE}\n{time.size} 0.01\n", field="{:.6E}"
-        ),
-        "clc_three_channels.csv": columns(
-            np.column_stack([time, gal]),
-            f"{NOTE}\ntime [s],acc E [cm/s2],acc N [cm/s2],acc Z [cm/s2]\n",
-            separator=",",
-            field="{:.4f}",
-        ),
-        "clc_decimal_commas.csv": f"{NOTE}\r\nZeit (s);Beschleunigung N\r\n".encode() + commas,
+    of_g = [channel.acceleration / STANDARD_GRAVITY for channel in channels]
+    time, cm = channels[0].time, [100.0 * values for values in (east, north, up)]
+    heads = f"{NOTE}\ntime [s],acc E [cm/s2],acc N [cm/s2],acc Z [cm/s2]\n"
+    rows = "Points are listed in the format of 8F10.5, 8 points across in a row\nThe units are (g)\n\n"
+    words = f"{NOTE}\n{east.size} points at equal spacing of 0.01 sec\n{rows}*** Begin data ***\n"
+    commas = table(time, north, delimiter=";", number="{:.5f}", end="\r\n").replace(".", ",")
+    files = {
+        "clc_one_column.txt": table(of_g[0], header=f"# {NOTE}\n", number="{:.8f}"),
+        "clc_deepsoil.txt": table(time, of_g[0], header=f"{NOTE}\n{time.size} 0.01\n", number="{:.6E}"),
+        "clc_three_channels.csv": table(time, *cm, header=heads, delimiter=",", number="{:.4f}"),
+        "clc_decimal_commas.csv": f"{NOTE}\r\nZeit (s);Beschleunigung N\r\n{commas}",
         # Rows of five without a word, as the examples of OpenSees have them; words around the numbers.
-        "clc_rows.g3": wrapped(north / STANDARD_GRAVITY, 5, field="{:15.7E}"),
-        "clc_end_data.txt": wrapped(
-            east / STANDARD_GRAVITY,
-            8,
-            f"{NOTE}\n{east.size} points at equal spacing of 0.01 sec\n"
-            "Points are listed in the format of 8F10.5, 8 points across in a row\nThe units are (g)\n\n"
-            "*** Begin data ***\n",
-            field="{:9.5f}",
-        )
-        + b"*** End data ***\n",
-        "clc_tabs.txt": columns(np.column_stack([time, up / STANDARD_GRAVITY]), f"# {NOTE}\n# t\tup\n", separator="\t"),
+        "clc_rows.g3": wrapped(of_g[1], 5, field="{:15.7E}"),
+        "clc_end_data.txt": wrapped(of_g[0], 8, words, "{:9.5f}") + b"*** End data ***\n",
+        "clc_tabs.txt": table(time, of_g[2], header=f"# {NOTE}\n# t\tup\n", delimiter="\t"),
     }
+    return {name: text if isinstance(text, bytes) else text.encode() for name, text in files.items()}
 
 
 def wrapped(values: np.ndarray, per_row: int, header: str = "", field: str = "{:9.6f}") -> bytes:

@@ -35,12 +35,7 @@ def _csmip_header(number, component, place, count, length, unit_line, start, not
 
 
 def csmip_pairs(
-    times: Sequence[float],
-    values: Sequence[float],
-    number: int = 1,
-    component: str = " 90 DEG",
-    start: str = "01/17/94, 12:31:04.1 UTC",
-    note: str = "TEST EARTHQUAKE",
+    times, values, number=1, component=" 90 DEG", start="01/17/94, 12:31:04.1 UTC", note="TEST EARTHQUAKE"
 ) -> bytes:
     """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
     peak = np.max(np.abs(values)) / 10.0

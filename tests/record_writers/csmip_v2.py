@@ -54,14 +54,7 @@ _UNITS = {NEW: ("cm/sec2", "cm/sec", "cm"), OLD: ("CM/SEC/SEC", "CM/SEC", "CM")}
 
 
 def csmip_v2(
-    values: Sequence[float],
-    dt: float = 0.01,
-    heading: str = NEW,
-    decimals: int = 5,
-    blocks: str = "avd",
-    number: int = 1,
-    component: str = " 90 DEG",
-    end: str = "\r\n",
+    values, dt=0.01, heading=NEW, decimals=5, blocks="avd", number=1, component=" 90 DEG", end="\r\n"
 ) -> bytes:
     """One channel: acceleration [cm/s2] and what it integrates to; `blocks` says which of the three are written."""
     acceleration = np.asarray(values, dtype=float)

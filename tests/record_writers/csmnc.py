@@ -21,7 +21,6 @@ def csmnc(
     origin: str = "0130420080246 2013-04-20 8:2:46 BTM",
     mark: str = "",
     field: str = "{:12.6E} ",
-    end: str = "\r\n",
 ) -> bytes:
     """One component [cm/s2]; `mark` is the ``$`` that some copies have at the end of every line."""
     largest = values[int(np.argmax(np.abs(values)))]
@@ -46,7 +45,7 @@ def csmnc(
         "",
         *rows([_short(value, field) for value in values], 8),
     ]
-    return (end.join(line + mark for line in lines) + end).encode()
+    return ("\r\n".join(line + mark for line in lines) + "\r\n").encode()
 
 
 def _short(value: float, field: str) -> str:

@@ -49,14 +49,7 @@ AAD_HIGH_CUT_FREQUENCY_HZ: 40.0
 """
 
 
-def dyna(
-    values: Sequence[float],
-    dt: float = 0.01,
-    end: str = "\n",
-    without: Sequence[str] = (),
-    facts: Mapping[str, str] = _ESM,
-    **changes: object,
-) -> bytes:
+def dyna(values: Sequence[float], dt=0.01, without=(), facts: Mapping[str, str] = _ESM, **changes: object) -> bytes:
     """One channel, accelerations in cm/s2, under the 64 lines of the sample but for `without`, `facts`, `changes`."""
     header = dict(line.split(":", 1) for line in shipped(SAMPLE).decode().splitlines()[:64])
     at = int(np.argmax(np.abs(values)))
@@ -69,7 +62,7 @@ def dyna(
     }
     header |= {key: str(value) for key, value in {**facts, **changes}.items()}
     lines = [f"{key}: {value.strip()}" for key, value in header.items() if key not in without]
-    return (end.join([*lines, *(f"{value:.6f}" for value in values)]) + end).encode("latin-1")
+    return ("\n".join([*lines, *(f"{value:.6f}" for value in values)]) + "\n").encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

@@ -23,7 +23,6 @@ def geonet(
     place: str = "Hanmer Springs Emergency Centre",
     start: datetime = START,
     origin: datetime = ORIGIN,
-    end: str = "\n",
 ) -> bytes:
     """A file of several components, accelerations in mm/s2, V1A (in units of `reading` [mm/s2]) or V2A."""
     lines: list[str] = []
@@ -81,7 +80,7 @@ def geonet(
         if corrected:
             lines += rows([f"{value:8.2f}" for value in velocity], 10)
             lines += rows([f"{value:8.3f}" for value in displacement], 10)
-    return (end.join(lines) + end).encode()
+    return ("\n".join(lines) + "\n").encode()
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

@@ -17,7 +17,6 @@ def jma(
     code: str = "E0001",
     name: str = "輪島市鳳至町",
     place: tuple[float, float] = (37.3906, 136.8953),
-    end: str = "\r\n",
 ) -> bytes:
     lines = [
         f"SITE CODE= {code}{name}          ,{place[0]:.1f},{place[1]:.1f}, 10.0,5.0",
@@ -29,7 +28,7 @@ def jma(
         f" {names}",
         *(",".join(f"{value:.3f}" for value in row) for row in np.transpose(columns)),
     ]
-    return (end.join(lines) + end).encode("shift-jis")
+    return ("\r\n".join(lines) + "\r\n").encode("shift-jis")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

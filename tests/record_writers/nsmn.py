@@ -16,7 +16,6 @@ def nsmn(
     station: str = "0921",
     count: int | None = None,
     dt: str = "0.01",
-    end: str = "\r\n",
 ) -> bytes:
     """Rows of a (n, 3) table: N-S, E-W, U-D [gal]."""
     north, east, up = np.max(np.abs(values), axis=0)
@@ -41,7 +40,7 @@ def nsmn(
         "       N-S          E-W          U-D",
         *(f"{row[0]:12.6f}{row[1]:14.6f}{row[2]:13.6f}" for row in values),
     ]
-    return (end.join(lines) + end).encode("iso8859-9")
+    return ("\r\n".join(lines) + "\r\n").encode("iso8859-9")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

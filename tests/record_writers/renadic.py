@@ -16,13 +16,11 @@ def renadic(
     trigger: str = "2/27/2010 3:55:14.000 GMT",
     event: str = "MAULE 2010",
     name: str = "CURICO S/N 499",
-    count: int | None = None,
-    end: str = "\r\n",
 ) -> bytes:
-    """A file of several channels, accelerations in g/10, from `first` [s] on; `count` is what the header declares."""
+    """A file of several channels, accelerations in g/10, from `first` [s] on."""
     lines: list[str] = []
     for number, (values, component) in enumerate(zip(columns, components, strict=True), start=1):
-        points = len(values) if count is None else count
+        points = len(values)
         at = int(np.argmax(np.abs(values)))
         lines += [
             "UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 05/24/2011",
@@ -51,7 +49,7 @@ def renadic(
             *rows([f"{first + dt * index:7.3f}{value:7.3f}" for index, value in enumerate(values)], 5),
             f"/&  ----------  END OF DATA FOR CHANNEL {number}  ----------",
         ]
-    return (end.join(lines) + end).encode("latin-1")
+    return ("\r\n".join(lines) + "\r\n").encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

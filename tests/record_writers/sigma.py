@@ -25,7 +25,6 @@ PGA (m/s/s)                   : {peak:.7E}
 def sigma(
     values: Sequence[float],
     dt: float = 0.01,
-    end: str = "\n",
     event: str = "2009-04-06 01:32:39",
     orientation: str = "WE",
     processing: str = "Acausal Butterworth bandpass filtering (4pole-4pole).",
@@ -46,7 +45,7 @@ def sigma(
         series=series,
     )
     block = rows([f"{value:14.7E}" for value in values], 5)
-    return end.join([*header.splitlines(), *block, ""]).encode("latin-1")
+    return "\n".join([*header.splitlines(), *block, ""]).encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

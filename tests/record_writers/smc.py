@@ -26,7 +26,6 @@ def smc(
     codes: Mapping[int, int] = {},
     facts: Mapping[int, float] = {},
     event: str = "2011  08  23    1751 TEST EARTHQUAKE",
-    end: str = "\n",
     note: str = "written by a test",
 ) -> bytes:
     null, null_real = -32768, 1.7e38
@@ -61,7 +60,7 @@ def smc(
         f"| {note}",
         *rows([_smc_field(value) for value in values], 8),
     ]
-    return (end.join(lines) + end).encode()
+    return ("\n".join(lines) + "\n").encode()
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:

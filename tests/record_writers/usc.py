@@ -60,7 +60,6 @@ def usc_v2(
     note: str = "TEST EARTHQUAKE",
     moment: str = "JAN 17, 1994 -1230 GMT",
     site: str = "0017   34 06 52N, 118 22 47W",
-    end: str = "\n",
 ) -> bytes:
     """One channel: acceleration [cm/s2] and what it integrates to; `blocks` says which of the three are written."""
     acceleration = np.asarray(values, dtype=float)
@@ -88,7 +87,7 @@ def usc_v2(
         if kind[0].lower() in blocks:
             lines.append(f"{len(one):6d} POINTS OF {kind} DATA EQUALLY SPACED AT {fortran(dt, 6)} SEC.")
             lines += rows([fortran(sample) for sample in one], 8)
-    return (end.join(f"{line:<80}" for line in lines) + end).encode("latin-1")
+    return ("\n".join(f"{line:<80}" for line in lines) + "\n").encode("latin-1")
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
