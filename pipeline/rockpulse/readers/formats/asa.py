@@ -35,27 +35,22 @@ _FIELD, _LOOK_AT = 10, 3  # number of characters of a field, and number of rows 
 _LONGEST_HEADER = 300  # largest number of lines of the header
 
 
-class _Header:
-    """The header of a file: its lines, and the entries ``KEY : value`` in them."""
+class _Header(kit.Entries):
+    """The header of a file: its lines, and the entries ``KEY : value`` by the consonants of their keys."""
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
-        self.name, self.lines = name, lines
-        parts = ((line.partition(":"), at) for at, line in enumerate(lines, 1))
+        super().__init__(name)
+        self.lines = lines
         self.ruler = 0  # number of channels in the line above the values, whether they exist or not
-        self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
+        for at, line in enumerate(lines, 1):
+            key, colon, value = line.partition(":")
+            if colon:
+                self.setdefault(_consonants(key), kit.Entry(value.strip(), key.strip(), at))
 
-    def entry(self, key: str) -> tuple[str, str, int]:
-        """Return key, value and line number of the first entry whose key begins with `key`; accents are ignored."""
+    def __missing__(self, key: str) -> kit.Entry:
+        """Return the first entry whose key begins with `key`; accents are ignored."""
         wanted = _consonants(key)
-        return next((entry for entry in self.entries if _consonants(entry[0]).startswith(wanted)), ("", "", 1))
-
-    def text(self, key: str) -> str:
-        """Return the value of a key; empty if it is blank or missing."""
-        return self.entry(key)[1]
-
-    def where(self, key: str) -> str:
-        """Return the place ``file:line`` of a key, for messages."""
-        return f"{self.name}:{self.entry(key)[2]}"
+        return next((entry for known, entry in self.items() if known.startswith(wanted)), kit.Entry())
 
     def per_channel(self, key: str, numbers: Sequence[int]) -> list[str]:
         """Return the values for the channels `numbers` from two lists such as ``/V/N90E/N00E``; blank if missing."""
@@ -75,9 +70,9 @@ class _Header:
 
     def continued(self, key: str, more: int) -> str:
         """Return the value of a key, together with up to `more` lines that continue it."""
-        _, value, first = self.entry(key)
-        further = (text for blank, text, at in self.entries if first < at <= first + more and not blank)
-        return " ".join([value, *further])
+        value, _, first = self[key]
+        parts = (line.partition(":") for line in self.lines[first : first + more])
+        return " ".join([value, *(text.strip() for blank, colon, text in parts if colon and not blank.strip())])
 
     def below(self, title: str) -> str:
         """Return the text between a heading and the next ruled line, as one line."""
@@ -123,7 +118,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     date, name = header.text("FECHA DEL SISMO"), header.text("NOMBRE DE LA ESTACION")
     place = f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
     origin = _moment(_DATE.search(date), _TIME.search(header.text("HORA EPICENTRO")))
-    utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
+    utc = all(_UTC.search(header[key].aside) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
     return [
         kit.build_record(
             file,
@@ -165,7 +160,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
         raise kit.unexpected(f"{name}:{min(title + 1, len(lines))}", expected, "none", advice)
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
-    words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
+    words, (listed, _, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header["ORIENTACION C1-C6"]
     header.ruler = len(numbers)
     # The line may always number eight channels, even if fewer exist.
     if header.text("NUMERO DE CANALES").strip() == str(len(words)):
@@ -241,7 +236,7 @@ def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     """Return the UTC time of the first sample, on the day nearest to the earthquake, and warnings."""
-    (key, text, _), date = header.entry("HORA DE LA PRIMERA MUESTRA"), _DATE.match(header.text("FECHA DEL SISMO"))
+    (text, key, _), date = header["HORA DE LA PRIMERA MUESTRA"], _DATE.match(header.text("FECHA DEL SISMO"))
     if not text:
         return None, []
     start = _moment(date, _TIME.match(text))
