@@ -41,7 +41,8 @@ def test_lanes_agree_with_the_plain_march(restitution, gain):
             assert response.outcome[q, m] == outcome
             assert response.impacts[q, m] == impacts or outcome == Outcome.OVERTURNS
             # The march loses the digits of small hops to cancellation: 1e-16/u, and it follows them to u = 1e-7.
-            assert response.peak_rotation_ratio[q, m] == pytest.approx(peak, rel=1e-8)
+            # With the exact gain it is off by up to 1.3e-8, in 60 digits, and the kernel by 1.2e-9.
+            assert response.peak_rotation_ratio[q, m] == pytest.approx(peak, rel=1e-7 if gain == "exact" else 1e-8)
             outcomes.add(outcome)
     assert outcomes == {Outcome.ROCKS, Outcome.OVERTURNS}
 
