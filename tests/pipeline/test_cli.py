@@ -150,12 +150,12 @@ def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):
 
 
 def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
-    from rockpulse.commands import formats
+    from rockpulse.commands import records
 
     def interrupt(args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "VERBS", (replace(formats.VERB, run=interrupt),))
+    monkeypatch.setattr(cli, "VERBS", (replace(records.formats, run=interrupt),))
     assert main(["formats"]) == 130
     assert "interrupted" in capsys.readouterr().err
 

@@ -1,11 +1,11 @@
-"""The commands of rockpulse (verbs): each module defines one as ``VERB``, and imports what it needs when it runs."""
+"""The commands of rockpulse (verbs): functions marked with ``command``, which import what they need when they run."""
 
-from importlib import import_module
-
+from rockpulse.commands import assess, init_config, inspect, pictures, program, records, results, safety, studies
 from rockpulse.commands.parser import Verb
 
-#: Modules of the commands, in the order of the help.
-_MODULES = """assess inspect plot report export diff verify calibrate select fragility risk check init_config formats
-convert selftest app completion"""
-
-VERBS: tuple[Verb, ...] = tuple(import_module(f"{__name__}.{name}").VERB for name in _MODULES.split())
+#: In the order of the help.
+VERBS: tuple[Verb, ...] = (
+    *(assess.assess, inspect.inspect, pictures.plot, pictures.report, results.export, results.diff, results.verify),
+    *(studies.calibrate, studies.select, studies.fragility, safety.risk, safety.check, init_config.init_config),
+    *(records.formats, records.convert, program.selftest, program.app, program.completion),
+)

@@ -6,7 +6,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.parser import Verb
+from rockpulse.commands.parser import command
 from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
 from rockpulse.commands.shared_options import BATCH, configured, from_records, resolved
 from rockpulse.errors import ConfigError
@@ -17,7 +17,52 @@ if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
 
 
-def _run(args: argparse.Namespace) -> int:
+def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import load_tree, save
+    from rockpulse.studies.site.calibration import load_design
+
+    check_target(args.output, args.overwrite)
+    sequence = load_design(args.sequence)
+
+    from rockpulse.assessment.assessment import assess_sequence
+
+    quantile = float(load_tree(args.sequence)["site"]["quantile"])
+    tree = assess_sequence(sequence, config, name=f"design sequence {quantile:g}", source=str(args.sequence))
+    save(tree, args.output, overwrite=args.overwrite)
+    return tree
+
+
+@command(
+    from_records("RESULTS"),
+    {
+        "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate) instead of PATHS",
+        "--demand MEASURE=VALUE ...": "scale the records to this demand, such as pga=0.35g or 'sa(1.0)=0.4g', in "
+        "place of the demands of the configuration; repeatable",
+        "--all-models": "run all models, from resonance (upper bound) to the nonlinear equation, instead "
+        "of [models] use",
+    },
+    *BATCH,
+    {
+        "--append": "keep the rows of RESULTS, and add the records that it does not contain yet; PATHS must also "
+        "contain its earlier records, and options, bodies and program must be the same"
+    },
+    examples=(
+        "rockpulse assess records/ --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess records/ --block wall=0.3x2.4 --demand pga=0.35g -o results.h5",
+        "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
+        "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess records/ --bodies bodies.csv --demand pga=0.35g -o results.h5",
+        "rockpulse assess records/ more/ --config site.toml -o results.h5 --append",
+        "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",
+    ),
+)
+def assess(args: argparse.Namespace) -> int:
+    """Assess blocks under records, or under the design sequence of a site.
+
+    Read records, run every model on every body, write the results and show the verdicts. With --sequence the input
+    is the design sequence of a site, and only the models that accept a sequence are run.
+    """
     of_records = ("paths", "units", "dt", "confirm", "workers", "scheduler", "resume", "append", "strict", "log_file")
     options = {name: "PATHS" if name == "paths" else f"--{name.replace('_', '-')}" for name in of_records}
     given = [option for name, option in options.items() if getattr(args, name)]
@@ -50,52 +95,3 @@ def _run(args: argparse.Namespace) -> int:
         return nothing_written(report.failures, "assessed", args.quiet)
     with open_results_file(report.path) as file, file.reading():
         return print_overview(file.tree("summary", "directions", "failures"), args, overview)
-
-
-def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
-    from rockpulse.storage.hdf5.atomic import check_target
-    from rockpulse.storage.hdf5.results_file import load_tree, save
-    from rockpulse.studies.site.calibration import load_design
-
-    check_target(args.output, args.overwrite)
-    sequence = load_design(args.sequence)
-
-    from rockpulse.assessment.assessment import assess_sequence
-
-    quantile = float(load_tree(args.sequence)["site"]["quantile"])
-    tree = assess_sequence(sequence, config, name=f"design sequence {quantile:g}", source=str(args.sequence))
-    save(tree, args.output, overwrite=args.overwrite)
-    return tree
-
-
-VERB = Verb(
-    name="assess",
-    summary="assess blocks under records, or under the design sequence of a site",
-    description="Read records, run every model on every body, write the results and show the verdicts. With --sequence "
-    "the input is the design sequence of a site, and only the models that accept a sequence are run.",
-    options=(
-        from_records("RESULTS"),
-        {
-            "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate) instead of PATHS",
-            "--demand MEASURE=VALUE ...": "scale the records to this demand, such as pga=0.35g or 'sa(1.0)=0.4g', in "
-            "place of the demands of the configuration; repeatable",
-            "--all-models": "run all models, from resonance (upper bound) to the nonlinear equation, instead "
-            "of [models] use",
-        },
-        *BATCH,
-        {
-            "--append": "keep the rows of RESULTS, and add the records that it does not contain yet; PATHS must also "
-            "contain its earlier records, and options, bodies and program must be the same",
-        },
-    ),
-    run=_run,
-    examples=(
-        "rockpulse assess records/ --block wall=0.3x2.4 -o results.h5",
-        "rockpulse assess records/ --block wall=0.3x2.4 --demand pga=0.35g -o results.h5",
-        "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
-        "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
-        "rockpulse assess records/ --bodies bodies.csv --demand pga=0.35g -o results.h5",
-        "rockpulse assess records/ more/ --config site.toml -o results.h5 --append",
-        "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",
-    ),
-)

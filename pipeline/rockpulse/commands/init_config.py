@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from rockpulse.commands.parser import Verb
+from rockpulse.commands.parser import command
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
 from rockpulse.files import write_files
@@ -52,7 +52,19 @@ def _filled(line: str, fields: dict[str, str]) -> str:
     return filled[:BEGIN] + f"\n{'':{BEGIN}}".join(f"# {part}" for part in comment)
 
 
-def _run(args: argparse.Namespace) -> int:
+@command(
+    {
+        "--bodies": "write a table of bodies (CSV) in place of the configuration",
+        "-o --output FILE": "file to write; an existing file is not replaced",
+    },
+    examples=("rockpulse init-config -o site.toml", "rockpulse init-config --bodies -o bodies.csv"),
+)
+def init_config(args: argparse.Namespace) -> int:
+    """Write a configuration with every key explained.
+
+    Print a configuration with every key, its default and its meaning, or write it to a new file. With --bodies,
+    write a table with a row for each body instead.
+    """
     from rockpulse.config.body_table import body_template
 
     text = "\n".join([*body_template(), ""]) if args.bodies else config_template()
@@ -70,19 +82,3 @@ def _run(args: argparse.Namespace) -> int:
     given = f"{option} {args.output}"
     tell(f"wrote {args.output}: fill in the {fill}, then: rockpulse assess RECORDS {given} -o results.h5")
     return 0
-
-
-VERB = Verb(
-    name="init-config",
-    summary="write a configuration with every key explained",
-    description="Print a configuration with every key, its default and its meaning, or write it to a new file. "
-    "With --bodies, write a table with a row for each body instead.",
-    options=(
-        {
-            "--bodies": "write a table of bodies (CSV) in place of the configuration",
-            "-o --output FILE": "file to write; an existing file is not replaced",
-        },
-    ),
-    run=_run,
-    examples=("rockpulse init-config -o site.toml", "rockpulse init-config --bodies -o bodies.csv"),
-)

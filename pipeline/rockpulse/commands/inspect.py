@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.parser import Verb
-from rockpulse.commands.shared_options import SELECTION, parse_count, read_selection
+from rockpulse.commands.parser import command
+from rockpulse.commands.shared_options import COUNT, SELECTION, read_selection
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ResultsError
 
@@ -26,18 +26,6 @@ BESIDE_WORST = ("sort", "limit", "records", "blocks")
 #: Default number of results in a list.
 CASES = 20
 NOTHING = "nothing failed and nothing was skipped"
-
-
-def _run(args: argparse.Namespace) -> int:
-    from rockpulse.run.journal import Journal
-    from rockpulse.storage.hdf5.results_file import open_results_file
-
-    if not Path(args.results).exists() and (progress := Journal.progress(args.results)):
-        raise ResultsError(f"{args.results}: {progress}")
-    with open_results_file(args.results) as file, file.reading():
-        whole = [group for group in SHOWN_WHOLE if group in file.groups]
-        tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))
-    return 0
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
@@ -115,32 +103,40 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     return str(overview(load_tree(args.results)))
 
 
-VERB = Verb(
-    name="inspect",
-    summary="show a results file",
-    description="Show the verdict on every body and the worst records of a results file; options select all "
-    "verdicts, one record or body in detail, the results that meet a condition, or what was not assessed.",
-    options=(
-        {
-            "RESULTS": "file of rockpulse assess, calibrate or fragility",
-            "--record ID ...": "one record in detail, or the results of all that match '*CCC*' (* and ? are "
-            "wildcards); repeatable",
-            "--block NAME ...": "one body in detail, or the results of all that match a pattern; repeatable",
-            "--all": "show the verdict of every model for every record and body",
-            "--failures": "list the files and channels that failed or were skipped, with the reason",
-            "--records": "list the records",
-            "--blocks": "list the bodies",
-            "--worst N": (
-                "list the N results with the smallest capacity/demand (without a demand: scale factor)",
-                {"type": parse_count},
-            ),
-            **SELECTION,
-        },
-    ),
-    run=_run,
+@command(
+    {
+        "RESULTS": "file of rockpulse assess, calibrate or fragility",
+        "--record ID ...": "one record in detail, or the results of all that match '*CCC*' (* and ? are "
+        "wildcards); repeatable",
+        "--block NAME ...": "one body in detail, or the results of all that match a pattern; repeatable",
+        "--all": "show the verdict of every model for every record and body",
+        "--failures": "list the files and channels that failed or were skipped, with the reason",
+        "--records": "list the records",
+        "--blocks": "list the bodies",
+        "--worst N": (
+            "list the N results with the smallest capacity/demand (without a demand: scale factor)",
+            COUNT,
+        ),
+        **SELECTION,
+    },
     examples=(
         "rockpulse inspect results.h5",
         "rockpulse inspect results.h5 --record '*CCC*' --model nonlinear",
         "rockpulse inspect results.h5 --outcome overturns --sort safety_factor --limit 20",
     ),
 )
+def inspect(args: argparse.Namespace) -> int:
+    """Show a results file.
+
+    Show the verdict on every body and the worst records of a results file; options select all verdicts, one record
+    or body in detail, the results that meet a condition, or what was not assessed.
+    """
+    from rockpulse.run.journal import Journal
+    from rockpulse.storage.hdf5.results_file import open_results_file
+
+    if not Path(args.results).exists() and (progress := Journal.progress(args.results)):
+        raise ResultsError(f"{args.results}: {progress}")
+    with open_results_file(args.results) as file, file.reading():
+        whole = [group for group in SHOWN_WHOLE if group in file.groups]
+        tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))
+    return 0

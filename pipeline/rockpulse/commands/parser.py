@@ -1,6 +1,7 @@
 """The class of a command (verb), and a parser that accepts only full names and suggests correct ones."""
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,13 +30,12 @@ class Verb:
     summary: str  # line in the list of commands
     description: str  # introduction of its help
     options: tuple[Options, ...]  # arguments, in the order of the help
-    # returns the exit code; raises RockpulseError or OSError for errors that the user can correct
-    run: Callable[[argparse.Namespace], int]
-    examples: tuple[str, ...] = ()  # example command lines
+    run: Callable[[argparse.Namespace], int]  # the function that runs it
+    examples: tuple[str, ...]  # example command lines
 
     def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]", complete: bool = True) -> None:
         """Add a parser for the command to the subparsers of the program, with its options if `complete`."""
-        epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
+        epilog = "\n  ".join(["examples:", *self.examples])
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
         for table in self.options if complete else ():
             target = parser.add_mutually_exclusive_group() if isinstance(table, Either) else parser
@@ -44,6 +44,35 @@ class Verb:
                 flags, given = _arguments(words)
                 target.add_argument(*flags, help=text, **{**given, **more})
         parser.set_defaults(run=self.run)
+
+
+def command(*options: Options, examples: tuple[str, ...]) -> Callable[[Callable[[argparse.Namespace], int]], Verb]:
+    """Make a command of the decorated function: its docstring is the line in the list of commands and the introduction.
+
+    The function returns the exit code, and raises RockpulseError or OSError for errors that the user can correct.
+    """
+
+    def made(run: Callable[[argparse.Namespace], int]) -> Verb:
+        summary, _, description = (run.__doc__ or "").partition(".\n\n")
+        name = run.__name__.replace("_", "-")
+        return Verb(name, summary[:1].lower() + summary[1:], " ".join(description.split()), options, run, examples)
+
+    return made
+
+
+def number(kind: type[int] | type[float], low: float, high: float, expected: str) -> Callable[[str], float]:
+    """Return a parser of a finite number from `low` to `high`; its error message says what is `expected`."""
+
+    def parsed(text: str) -> float:
+        try:
+            value = kind(text) if kind is float or text.isdecimal() else math.nan
+        except ValueError:
+            value = math.nan
+        if not (low <= value <= high and value < math.inf):
+            raise argparse.ArgumentTypeError(f"expected {expected}, found {text!r:.40}")
+        return value
+
+    return parsed
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:

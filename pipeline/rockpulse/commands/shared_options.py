@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.parser import Either, Options
+from rockpulse.commands.parser import Either, Options, number
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError, ResultsError
 
@@ -57,10 +58,7 @@ def _workers(text: str) -> int | str:
         return text
     from rockpulse.config.settings import MOST_WORKERS
 
-    value = int(text) if text.isdecimal() and len(text) <= len(str(MOST_WORKERS)) else 0
-    if not 1 <= value <= MOST_WORKERS:
-        raise argparse.ArgumentTypeError(f'expected "all" or an integer from 1 to {MOST_WORKERS}, found {text!r:.40}')
-    return value
+    return int(number(int, 1, MOST_WORKERS, f'"all" or an integer from 1 to {MOST_WORKERS}')(text))
 
 
 #: Options for workers and for stopped runs.
@@ -83,14 +81,8 @@ BATCH: tuple[Options, ...] = (
 )
 
 
-def parse_count(words: str) -> int:
-    """Parse a whole number, at least 1."""
-    number = int(words) if words.isdecimal() else 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number >= 1, found {words!r}")
-    return number
-
-
+#: Keywords of an option whose value is a number of items.
+COUNT = {"type": number(int, 1, math.inf, "a whole number >= 1")}
 #: Options that select a part of the results, besides ``--record`` and ``--block``, which the command defines itself.
 SELECTION: Options = {
     "--model NAME ...": "only this model (* and ? are wildcards); repeatable",
@@ -99,7 +91,7 @@ SELECTION: Options = {
     "'factor_10 < 1', 'SF < 1', 'P > 0.5', 'source = *.AT2'; repeatable, all must be met",
     "--sort VARIABLE": "sort by this variable or column, the smallest values first and unknown values last",
     "--descending": "sort by --sort with the largest values first",
-    "--limit N": ("at most N rows", {"type": parse_count}),
+    "--limit N": ("at most N rows", COUNT),
 }
 
 

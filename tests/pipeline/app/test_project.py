@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError
 
 
 def test_without_the_extra_the_verb_says_what_to_install(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr("rockpulse.commands.app.find_spec", lambda name: None)
+    monkeypatch.setattr("rockpulse.commands.program.find_spec", lambda name: None)
     assert main(["app", str(tmp_path / "new")]) == 2
     assert "pip install 'rockpulse[app]'" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()

@@ -7,7 +7,7 @@ import pytest
 
 from rockpulse.cli import main
 from rockpulse.commands import VERBS
-from rockpulse.commands.completion import HOW
+from rockpulse.commands.program import HOW
 
 
 def script(shell, capsys):
