@@ -53,6 +53,20 @@ def _marched_once(shared):
     keep_marches(shared / "marches")
 
 
+@pytest.fixture
+def run(capsys):
+    """Runs a command to its exit code, and returns what it has printed."""
+    from rockpulse.cli import main
+
+    def run(*words, code=0):
+        capsys.readouterr()
+        found, printed = main([str(word) for word in words]), capsys.readouterr()
+        assert found == code, printed
+        return printed
+
+    return run
+
+
 @pytest.fixture(scope="session")
 def samples() -> Path:
     """The sample records that come with the project."""

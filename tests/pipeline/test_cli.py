@@ -80,7 +80,7 @@ def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys,
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("verb", [verb for verb in VERBS if verb.name != "app"], ids=lambda verb: verb.name)
-def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, capsys):
+def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, run):
     """Each in a new folder with the files that it names but the one that it writes. The page waits for a user."""
     assert verb.examples
     for number, example in enumerate(verb.examples):
@@ -96,10 +96,8 @@ def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, 
         if "--append" in words:
             Path("more").mkdir()
             next(Path("records").iterdir()).rename("more/later")
-            assert main([word for word in words if word not in ("more/", "--append")]) == 0
-        capsys.readouterr()
-        assert main(words) == 0, (example, capsys.readouterr().err)
-        assert capsys.readouterr().out
+            run(*[word for word in words if word not in ("more/", "--append")])
+        assert run(*words).out
         assert "-o" not in words or list(Path().glob(f"{written.stem}*{written.suffix}")), example
 
 
@@ -149,21 +147,18 @@ def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):
     assert done.stdout.startswith(b"wrote ")
 
 
-def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
+def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, run):
     from rockpulse.commands import records
 
     def interrupt(args):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli, "VERBS", (replace(records.formats, run=interrupt),))
-    assert main(["formats"]) == 130
-    assert "interrupted" in capsys.readouterr().err
+    assert "interrupted" in run("formats", code=130).err
 
 
 @pytest.mark.parametrize("changed", [pytest.param(False, marks=pytest.mark.sweep), True])
-def test_an_internal_error_is_shown_with_what_differs_in_the_file(
-    changed, golden, tmp_path, monkeypatch, capsys, caplog
-):
+def test_an_internal_error_is_shown_with_what_differs_in_the_file(changed, golden, tmp_path, monkeypatch, run, caplog):
     path = tmp_path / "results.h5"
     shutil.copy(golden.results, path)
     if changed:
@@ -174,8 +169,7 @@ def test_an_internal_error_is_shown_with_what_differs_in_the_file(
         with pytest.raises(KeyError, match="absent"):
             main(["inspect", str(path)])
         return
-    assert main(["inspect", str(path)]) == 2
-    said = capsys.readouterr().err
+    said = run("inspect", path, code=2).err
     assert "KeyError: 'absent'" in said
     assert "was changed after it was written" in said
     assert "Traceback" not in said

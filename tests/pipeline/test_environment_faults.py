@@ -49,9 +49,7 @@ WRITERS = {
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("verb", WRITERS)
-def test_a_full_disk_leaves_no_part_of_a_file_and_gives_its_name_and_advice(
-    verb, record, tmp_path, monkeypatch, capsys
-):
+def test_a_full_disk_leaves_no_part_of_a_file_and_gives_its_name_and_advice(verb, record, tmp_path, monkeypatch, run):
     monkeypatch.chdir(tmp_path)
     command, name = WRITERS[verb]
     write = Path.write_bytes
@@ -61,8 +59,7 @@ def test_a_full_disk_leaves_no_part_of_a_file_and_gives_its_name_and_advice(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
     monkeypatch.setattr(Path, "write_bytes", full)
-    assert main([*command, "-o", name]) == 2
-    said = capsys.readouterr().err
+    said = run(*command, "-o", name, code=2).err
     assert name in said
     assert os.strerror(errno.ENOSPC) in said
     assert [path.name for path in tmp_path.iterdir()] == [record.name]
@@ -130,9 +127,8 @@ def test_a_table_for_people_has_a_byte_order_mark_if_it_is_not_ascii(name, marke
 
 
 @pytest.mark.parametrize("name", ["é" * 130 + ".csv", "x" * 300 + ".csv"])
-def test_a_name_that_is_too_long_is_said_to_be(name, record, tmp_path, monkeypatch, capsys):
+def test_a_name_that_is_too_long_is_said_to_be(name, record, tmp_path, monkeypatch, run):
     monkeypatch.chdir(tmp_path)
-    assert main(["convert", record.name, "-o", name]) == 2
-    said = capsys.readouterr().err
+    said = run("convert", record.name, "-o", name, code=2).err
     assert os.strerror(errno.ENAMETOOLONG) in said
     assert "shorter name" in said

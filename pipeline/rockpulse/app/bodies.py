@@ -13,8 +13,7 @@ from nicegui import run, ui
 
 from rockpulse.app.fields import Fields
 from rockpulse.app.project import body_error
-from rockpulse.app.upload import file_input
-from rockpulse.app.window import FIRST, Panel, Window
+from rockpulse.app.window import FIRST, Panel, Window, file_input
 from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
 from rockpulse.config.restraint_settings import FloorSettings, LoadSettings, ThrustSettings, TieSettings

@@ -14,9 +14,7 @@ from nicegui import events, run, ui
 
 from rockpulse.app.fields import value_of
 from rockpulse.app.project import RECORDS, samples
-from rockpulse.app.table import Table
-from rockpulse.app.upload import file_input
-from rockpulse.app.window import FIRST, Panel, Window
+from rockpulse.app.window import FIRST, Panel, Table, Window, file_input
 from rockpulse.config.configuration import Config
 from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
 from rockpulse.readers.kit.spacing import same_step
@@ -168,7 +166,9 @@ class RecordPart:
     def _show_unused(self, rows: list[Failure]) -> None:
         for original in rows:
             row = translated_row(original)
-            whole = _whole_reason(row.bare, original.bare)
+            whole = row.bare
+            if any(words in whole for words in section("other").values() if " " in words):  # general words only
+                whole += f"\n{say('other.message', text=original.bare)}"
             with ui.element("div").classes(f"left {row.kind}"):
                 ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
                 ui.label(row.found.replace(f"{self.project.folder}/", ""))
@@ -232,12 +232,6 @@ class RecordPart:
 
 def _show_reason(whole: str) -> None:
     ui.label(whole).classes("pre")
-
-
-def _whole_reason(translated: str, english: str) -> str:
-    """Return a translated reason and, if a part of it has only general words, the English one as a quotation."""
-    general = any(words in translated for words in section("other").values() if " " in words)
-    return f"{translated}\n{say('other.message', text=english)}" if general else translated
 
 
 def _counts(channels: int, events: int) -> str:

@@ -6,10 +6,8 @@ import math
 from nicegui import ui
 
 from rockpulse.app.fields import plain_error
-from rockpulse.app.progress import Progress
 from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RECORDS, RESULTS, RISK, SELECTION, TABLE
-from rockpulse.app.table import Table
-from rockpulse.app.window import Panel, Window
+from rockpulse.app.window import Panel, Progress, Table, Window
 from rockpulse.views.shared.formatting import between, fixed, share, three_digits
 from rockpulse.views.shared.words import reason_words, say
 

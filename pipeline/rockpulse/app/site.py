@@ -6,10 +6,8 @@ from typing import Any
 from nicegui import ui
 
 from rockpulse.app.fields import Fields, plain_error, text_of
-from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
-from rockpulse.app.upload import file_input
-from rockpulse.app.window import Panel, Window
+from rockpulse.app.window import Panel, Progress, Window, file_input
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
 from rockpulse.option import Section

@@ -1,14 +1,14 @@
-"""One open window of the page: its language, its sections, and the handlers of its events."""
+"""One open window of the page, its event handlers, and the elements that its sections share."""
 
 from collections.abc import Awaitable, Callable
 from functools import wraps
 from typing import Any, TypeVar
 
-from nicegui import ui
+from nicegui import events, ui
 
 from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
-from rockpulse.views.shared.words import say, writing
+from rockpulse.views.shared.words import error_words, say, writing
 
 T = TypeVar("T")
 #: Number of rows with inputs that are shown at first, as many make the page slow.
@@ -141,3 +141,95 @@ class Panel(ui.expansion):
             with self:
                 self._make()
             self._page.shown_error()
+
+
+#: Number of rows on a page.
+PAGE = 10
+
+
+class Table(ui.table):
+    """A table in pages.
+
+    NiceGUI stores the order and the page of a table on the server, and redraws the whole window if either changes.
+    Here only the browser stores the order and the page.
+    """
+
+    pagination: Any = None  # what the browser reports; not a property of the table in the browser, as in the base class
+
+    def __init__(self, label: str, columns: list[dict[str, Any]], rows: list[dict[str, Any]]) -> None:
+        super().__init__(columns=columns, rows=rows)
+        several = " hide-pagination" if len(rows) > PAGE else ""
+        self.props(f"dense flat rows-per-page-options=[{PAGE},50,0]", remove=f"pagination{several}").classes("list")
+        self.props(f'aria-label="{label}"')
+
+
+#: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
+#: at the end, the faults.
+SEND = """async (event) => { event.preventDefault(); const faults = [], files = [];
+  const inside = async (entry) => { if (!entry || entry.name.startsWith(".")) return;
+    if (entry.isFile) files.push([entry.fullPath, await new Promise((found, fault) => entry.file(found, fault))]);
+    else for (const reader = entry.createReader(); ;) {
+      const some = await new Promise((found, fault) => reader.readEntries(found, fault)); if (!some.length) return;
+      for (const one of some) await inside(one); } };
+  if (event.dataTransfer) for (const entry of [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry()))
+    await inside(entry).catch((fault) => faults.push(`${entry.name}: ${fault}`));
+  else files.push(...[...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
+  for (const [name, file] of files.filter(([name]) => !/[/][.]/.test(name))) { emit({sending: file.name, faults});
+    try { const answer = await fetch(`/upload/KIND?name=${encodeURIComponent(name)}`, {method: "POST", body: file});
+      if (!answer.ok) faults.push(`${name}: ${await answer.text()}`); }
+    catch (fault) { faults.push(`${name}: ${fault}`); } }
+  if (!event.dataTransfer) event.target.value = ""; emit({sending: "", faults}); }"""
+
+
+def file_input(page: Window, label: str, kind: str, done: Callable[[], Awaitable[None]], folder: str = "") -> None:
+    """Show an input for files and, with the label `folder`, one for a folder; `done` is called after each upload."""
+
+    async def sent(event: events.GenericEventArguments) -> None:
+        page.sending = bool(event.args["sending"])
+        state.text = say("app.records.copying", name=event.args["sending"]) if page.sending else ""
+        if not page.sending:
+            await done()
+            for name, _, fault in (one.partition(": ") for one in event.args["faults"]):
+                shown = f"{name}: {error_words(fault.removeprefix(f'{name}: '))}"
+                ui.notify(shown, type="negative", multi_line=True, close_button=True, timeout=0)
+
+    handle, send = page.handler(sent), SEND.replace("KIND", kind)
+    with ui.element("div").classes("drop").on("dragover", js_handler="(event) => event.preventDefault()") as field:
+        field.on("drop", handle, js_handler=send)
+        for text, several in ((label, "multiple"), (folder, "webkitdirectory")):
+            if text:
+                with ui.element("label"):
+                    ui.label(text)
+                    ui.element("input").props(f'type="file" {several}').on("change", handle, js_handler=send)
+    state = ui.label().props('role="status"')
+
+
+#: Texts for the exit codes of a command that has ended; another code means that it has failed.
+ENDED = {None: "", 0: "", 1: "app.results.some", 130: "app.results.cancelled"}
+
+
+class Progress:
+    """A bar with the remaining time, a button to cancel, and how the last command ended."""
+
+    def __init__(self, page: Window, *verbs: str) -> None:
+        self.command, self.verbs, self._seen = page.project.command, verbs, -1
+        self.stop = page.button(say("app.results.cancel"), self.command.cancel)
+        self.bar = ui.linear_progress(0.0, show_value=False).props(
+            f'instant-feedback aria-label="{say("app.results.progress")}"'
+        )
+        self.state = ui.label().props('role="status"')
+
+    def look(self) -> bool:
+        """Show the progress of the command, and return whether a command has started or ended since the last look."""
+        command, seen = self.command, self._seen
+        self._seen = command.turned
+        own = command.verb in self.verbs
+        self.stop.visible = self.bar.visible = own and command.running
+        key = ENDED.get(command.code, "app.results.failed") if own else ""
+        if own and command.running:
+            self.bar.value = command.done / command.total if command.total else 0.0
+            self.bar.props(f":indeterminate={'false' if command.total else 'true'}")
+            key = "app.results.at" if command.total else f"app.results.{command.verb}"
+        given = {"done": command.done, "total": command.total, "left": command.left}
+        self.state.text = say(key, **given, reason=plain_error(command.reason)) if key else ""
+        return seen != command.turned

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other commands, by a group that only they contain: description, and module that prints them.
-SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
+#: Groups that only files of other commands contain; each has a module that prints them.
+SHOWN_WHOLE = ("site", "fragility")
 #: Options that request a list of results.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
 #: Options that cannot be combined with the list of the worst results.
@@ -88,18 +88,17 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     from rockpulse.storage.hdf5.results_file import load_tree
     from rockpulse.views.text.left_out import failure_list
 
-    said, name = SHOWN_WHOLE[group]
     listed = "failures" in file.groups
     asked = [option for option in ("record", "block", "records", "blocks", *OF_CASES) if getattr(args, option)]
     if asked or (args.failures and not listed):
         options = ", ".join(f"--{option}" for option in asked or ["failures"])
         raise ResultsError(
-            f"{args.results}: {options}: expected results of 'rockpulse assess'; {said}, which is shown in full: "
-            "leave the options out"
+            f"{args.results}: {options}: expected results of 'rockpulse assess'; this is a {group} file, which is "
+            "shown in full: leave the options out"
         )
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING
-    overview = getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")
+    overview = getattr(import_module(f"rockpulse.views.text.{group}"), f"{group}_overview")
     return str(overview(load_tree(args.results)))
 
 

@@ -1,28 +1,11 @@
 """Commands that export, compare and verify results files: ``rockpulse export``, ``diff`` and ``verify``."""
 
-from __future__ import annotations
-
 import argparse
 import math
-from typing import TYPE_CHECKING
 
 from rockpulse.commands.parser import command, number
 from rockpulse.commands.shared_options import COUNT, SELECTION, read_selection
 from rockpulse.commands.terminal import progress_bars, tell
-
-if TYPE_CHECKING:
-    from rockpulse.storage.export.long_table import LongTable
-    from rockpulse.storage.hdf5.results_file import ResultsFile
-
-
-def _demands(file: ResultsFile, table: LongTable) -> str:
-    """Return a sentence with the demands of the results if the table has no column for them, otherwise no text."""
-    from rockpulse.assessment.site_demands import stored_demands
-
-    if "demand_acceleration" not in table.left_out:
-        return ""
-    every = stored_demands(file.dataset(table.group)).items()
-    return f" Demands: {', '.join(f'{name}, {demand.words}' for name, demand in every)}."
 
 
 def _names(joined: str | None) -> list[str] | None:
@@ -63,6 +46,7 @@ def export(args: argparse.Namespace) -> int:
     column for each variable, and a README that states the unit and the meaning of every column. Flags are written
     as words.
     """
+    from rockpulse.assessment.site_demands import stored_demands
     from rockpulse.storage.export.long_table import long_table
     from rockpulse.storage.export.table_file import check_table_target, write_table
     from rockpulse.storage.hdf5.results_file import open_results_file
@@ -73,10 +57,11 @@ def export(args: argparse.Namespace) -> int:
         table = long_table(file, args.group, _names(args.rows), selection, _names(args.columns))
         history = str(file.attrs.get("history", "")).splitlines()
         chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""
-        about = (
-            f"From `{file.path.name}` ({file.attrs.get('title', '')}; "
-            f"{history[-1] if history else 'no date'}).{chosen}{_demands(file, table)}"
-        )
+        made = history[-1] if history else "no date"
+        about = f"From `{file.path.name}` ({file.attrs.get('title', '')}; {made}).{chosen}"
+        if "demand_acceleration" in table.left_out:  # the table has no column for the demands
+            every = stored_demands(file.dataset(table.group)).items()
+            about += f" Demands: {', '.join(f'{name}, {demand.words}' for name, demand in every)}."
         with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
             written, readme = write_table(
                 table, args.output, about, args.overwrite, bar.update, args.decimal_comma, args.raw

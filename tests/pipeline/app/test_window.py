@@ -11,8 +11,8 @@ from nicegui.events import ClickEventArguments, handle_event
 from nicegui.testing import user_simulation
 
 from rockpulse.app.fields import plain_error
-from rockpulse.app.page import show_page
 from rockpulse.app.project import Project
+from rockpulse.app.server import show_page
 from rockpulse.app.window import FIRST, Panel, Window
 from rockpulse.errors import Failure
 from rockpulse.views.shared.words import reason_words, say, writing
@@ -81,10 +81,7 @@ def test_commands_follow_each_other_also_without_a_window(window):
         ({"records": {"azimuth": 45.0}}, "azimut di oscillazione: L'azimut vale solo per registrazioni ruotate"),
         ({"demand": [{"measure": "pga"}]}, "Indicare il valore della domanda."),
         ({"demand": [{"measure": "pgv", "value": "fast cm/s"}]}, "valore: occorre un numero positivo"),
-        (
-            {"demand": [{"measure": "pga", "value": "35 m/s2"}]},
-            "valore: PGA di 3,57 g è da confermare, perché",
-        ),
+        ({"demand": [{"measure": "pga", "value": "35 m/s2"}]}, "valore: PGA di 3,57 g è da confermare, perché"),
         (
             {"block": [{"name": "w", "width": 550, "height": 4200}]},
             '"w": 550 x 4200: le dimensioni sono in millimetri? Dimensione',

@@ -12,6 +12,7 @@ from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment.scene import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
+from rockpulse.views.plots.selection import block_of
 from rockpulse.views.shared.record_facts import Known
 
 INF, NAN = np.inf, np.nan
@@ -96,7 +97,7 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
     loaded = rp.load(tmp_path / "results.h5")
     summary = loaded["summary"].to_dataset()
     for block in blocks:
-        body, again = block.block(), rp.plots.block_of(summary, block.name)
+        body, again = block.block(), block_of(summary, block.name)
         for name in ("alpha_c", "alpha_2", "p", "p_2", "restitution", "restitution_2", "side", "restraints"):
             assert getattr(again, name) == getattr(body, name), (block.name, name)
         history = rp.plots.histories(loaded, "pulse", block.name, ["nonlinear"])[0]

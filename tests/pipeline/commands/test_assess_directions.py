@@ -54,12 +54,10 @@ def test_a_sweep_is_written_and_read_back(tree):
 
 
 @pytest.mark.sweep
-def test_inspect_shows_the_directions(swept, capsys):
-    assert main(["inspect", str(swept), "--all"]) == 0
-    out = capsys.readouterr().out
+def test_inspect_shows_the_directions(swept, run):
+    out = run("inspect", swept, "--all").out
     assert "Median and largest over 9 directions" in out
-    assert main(["inspect", str(swept), "--record", "*H020*"]) == 0
-    assert "rotated to 20 degrees" in " ".join(capsys.readouterr().out.split())
+    assert "rotated to 20 degrees" in " ".join(run("inspect", swept, "--record", "*H020*").out.split())
 
 
 def test_a_single_channel_is_a_failure_that_says_what_to_do(golden, tmp_path, capsys):

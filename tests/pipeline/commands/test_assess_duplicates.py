@@ -59,7 +59,7 @@ def left(tree):
 
 
 @pytest.mark.sweep
-def test_one_record_of_each_motion_is_assessed_and_the_list_says_why(folder, capsys):
+def test_one_record_of_each_motion_is_assessed_and_the_list_says_why(folder, run):
     code, tree = assess(folder)
     assert code == 0
     assert used(tree) == sorted([CORRECTED, SURFACE.format("EW"), SURFACE.format("NS")])
@@ -69,9 +69,7 @@ def test_one_record_of_each_motion_is_assessed_and_the_list_says_why(folder, cap
         + [("depth", BOTTOM.format(direction)) for direction in ("EW", "NS", "UD")]
         + [("vertical", CORRECTED), ("vertical", SURFACE.format("UD"))]
     )
-    capsys.readouterr()
-    assert main(["inspect", str(folder.parent / "results.h5"), "--failures"]) == 0
-    told = " ".join(capsys.readouterr().out.split())
+    told = " ".join(run("inspect", folder.parent / "results.h5", "--failures").out.split())
     assert "a processed record is preferred to a raw one" in told
     assert "this one was recorded at the bottom of a borehole, the other at the surface" in told
     assert told.count("[records] keep with this id assesses both") == 6

@@ -77,15 +77,14 @@ def assessed(done, config, tmp_path_factory):
     return target, out.getvalue()
 
 
-def test_the_summary_shows_the_design_and_the_sequence(calibrated, motions, config, capsys):
+def test_the_summary_shows_the_design_and_the_sequence(calibrated, motions, config, run):
     target, out, err = calibrated
     assert err == ""
     for words in ("Calibrated on 5 records", "The design\n", "Sequence of the site", "without end", "wall", "pier"):
         assert words in out
     assert not re.search(r"\bnan\b", out, re.I)
     assert out.endswith(f"site: {target}\n")
-    assert main(["calibrate", str(motions), "--config", str(config), "-o", str(target)]) == 2
-    assert "the file exists" in capsys.readouterr().err
+    assert "the file exists" in run("calibrate", motions, "--config", config, "-o", target, code=2).err
 
 
 def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
@@ -96,11 +95,9 @@ def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
 
 
 @pytest.mark.sweep
-def test_inspect_shows_what_calibrate_printed(done, capsys):
-    assert main(["inspect", str(done)]) == 0
-    assert "Sequence of the site" in capsys.readouterr().out
-    assert main(["inspect", str(done), "--failures"]) == 0
-    assert "notes.txt" in capsys.readouterr().out
+def test_inspect_shows_what_calibrate_printed(done, run):
+    assert "Sequence of the site" in run("inspect", done).out
+    assert "notes.txt" in run("inspect", done, "--failures").out
 
 
 @pytest.mark.sweep
@@ -124,7 +121,7 @@ def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
 
 
 @pytest.mark.sweep
-def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, capsys):
+def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, run):
     results, text = assessed[0], tmp_path / "notes.txt"
     text.write_text("no site")
     with pytest.raises(ResultsError, match=r"expected a site file of 'rockpulse calibrate', found an assessment"):
@@ -133,8 +130,7 @@ def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, 
         rp.load_design(text)
     # A results file is never replaced by a site file, nor the other way round.
     arguments = ["calibrate", str(motions), "--config", str(config), "-o", str(results), "--overwrite"]
-    assert main(arguments) == 2
-    assert "not replaced even with --overwrite" in capsys.readouterr().err
+    assert "not replaced even with --overwrite" in run(*arguments, code=2).err
 
 
 @pytest.mark.sweep
@@ -158,32 +154,29 @@ def test_tables_count_from_the_folder_of_the_configuration(motions, loaded, tmp_
     assert_contents(tmp_path / "again.h5", contents(target))
 
 
-def test_where_every_record_is_zero_a_quiet_run_says_so_and_writes_no_file(config, tmp_path, capsys):
+def test_where_every_record_is_zero_a_quiet_run_says_so_and_writes_no_file(config, tmp_path, run):
     np.savetxt(tmp_path / "still.txt", np.zeros(1000))
     given = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(tmp_path / "site.h5"), "--quiet"]
-    assert main(["calibrate", str(tmp_path / "still.txt"), *given]) == 1
-    said = capsys.readouterr().err
+    said = run("calibrate", tmp_path / "still.txt", *given, code=1).err
     assert said.startswith("rockpulse: no record could be calibrated; nothing was written: ")
     assert said.count("\n") == 1
     assert not (tmp_path / "site.h5").exists()
 
 
 @pytest.mark.sweep
-def test_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
-    assert main(["inspect", str(golden.site)]) == 0
-    out = capsys.readouterr().out
+def test_too_few_earthquakes_make_no_design(golden, tmp_path, run):
+    out = run("inspect", golden.site).out
     assert out.startswith("! not enough earthquakes (5; at least 7 for the quantile 0.84)\n")
     assert "stele" not in out
     design = tmp_path / "design.h5"
-    assert main(["assess", "--sequence", str(golden.site), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
-    assert "no design spectrum: not enough earthquakes (5; at least 7" in capsys.readouterr().err
+    said = run("assess", "--sequence", golden.site, "--block", "wall=0.25x2.2", "-o", design, code=2).err
+    assert "no design spectrum: not enough earthquakes (5; at least 7" in said
 
 
 @pytest.mark.sweep
-def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsys):
+def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, run):
     target, design = tmp_path / "site.h5", tmp_path / "design.h5"
     rp.save(usual_site(), target)
-    assert main(["assess", "--sequence", str(target), "--block", "wall=0.3x3.0", "-o", str(design)]) == 0
-    assert "wall" in capsys.readouterr().out
+    assert "wall" in run("assess", "--sequence", target, "--block", "wall=0.3x3.0", "-o", design).out
     factor = rp.load(design)["summary"]["safety_factor"].sel(model="sequence").item()
     assert factor == pytest.approx(usual_site()["site"]["design_factor"].sel(block="wall").item(), rel=0.005)

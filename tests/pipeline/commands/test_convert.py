@@ -18,20 +18,18 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_file_becomes_another_and_its_loss_is_reported(folder, capsys):
+def test_a_file_becomes_another_and_its_loss_is_reported(folder, run):
     out = folder / "out.mseed"
-    assert main(["convert", str(folder / "a.AT2"), "-o", str(out)]) == 0
-    text = capsys.readouterr().out
+    text = run("convert", folder / "a.AT2", "-o", out).out
     assert "a.090 as .A090..HNE: 200 samples at 0.01 s, PGA 0.3 g" in text
     assert "the event, the processing and the warnings are not stored" in " ".join(text.split())
     assert np.array_equal(read(out)[0].acceleration, read(folder / "a.AT2")[0].acceleration)
 
 
-def test_a_folder_of_records_and_what_failed(folder, capsys):
+def test_a_folder_of_records_and_what_failed(folder, run):
     (folder / "cut.AT2").write_bytes(at2(pulse(200))[:-300])
     (folder / "notes.txt").write_text("nothing here\n")
-    assert main(["convert", str(folder), "-o", str(folder / "out"), "--format", "csv"]) == 1
-    captured = capsys.readouterr()
+    captured = run("convert", folder, "-o", folder / "out", "--format", "csv", code=1)
     assert f"failed (read) {folder / 'cut.AT2'}" in captured.err
     assert "not records: notes.txt" in captured.err
     assert "rockpulse: 2 of 3 files used (1 rejected): expected 200 samples" in captured.err
@@ -39,34 +37,31 @@ def test_a_folder_of_records_and_what_failed(folder, capsys):
     assert "on a structure, which" in captured.out
 
 
-def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
+def test_a_unit_is_asked_for_and_taken(tmp_path, run):
     (tmp_path / "a.txt").write_text("".join(f"{value:.6f}\n" for value in pulse(50)))
     arguments = ["convert", str(tmp_path / "a.txt"), "-o", str(tmp_path / "out.AT2")]
-    assert main(arguments) == 1
-    captured = capsys.readouterr()
+    captured = run(*arguments, code=1)
     assert "do not state their unit" in captured.err
     assert "no record could be read" in captured.err
     assert not (tmp_path / "out.AT2").exists()
-    assert main([*arguments, "--units", "g", "--dt", "0.02"]) == 0
+    run(*arguments, "--units", "g", "--dt", "0.02")
     assert read(tmp_path / "out.AT2")[0].dt == 0.02
-    assert main([*arguments, "--units", "stone", "--dt", "0.02"]) == 2
+    run(*arguments, "--units", "stone", "--dt", "0.02", code=2)
 
 
-def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, capsys):
+def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, run):
     path = folder / "a!b" / "x.AT2"
     path.parent.mkdir()
     path.write_bytes((folder / "a.AT2").read_bytes())
-    assert main(["convert", str(path), "-o", str(path), "--overwrite"]) == 2
-    assert "this is an input file" in capsys.readouterr().err
+    assert "this is an input file" in run("convert", path, "-o", path, "--overwrite", code=2).err
     assert path.read_bytes() == (folder / "a.AT2").read_bytes()
 
 
-def test_a_file_that_exists_is_replaced_where_allowed(folder, capsys):
+def test_a_file_that_exists_is_replaced_where_allowed(folder, run):
     arguments = ["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--quiet"]
-    assert main(arguments) == 0
-    assert main(arguments) == 2
-    assert "the file exists" in capsys.readouterr().err
-    assert main([*arguments, "--overwrite"]) == 0
+    run(*arguments)
+    assert "the file exists" in run(*arguments, code=2).err
+    run(*arguments, "--overwrite")
 
 
 @pytest.mark.sweep
@@ -81,12 +76,14 @@ def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsy
     assert record.npts == 39000
 
 
-def test_of_what_is_no_record_the_names_are_reported(samples, tmp_path, capsys):
+def test_of_what_is_no_record_the_names_are_reported(samples, tmp_path, run):
     (tmp_path / "a.v1").write_bytes((samples.parent / "formats" / "CLC_NEW.V1").read_bytes())
     for number in range(8):
         (tmp_path / f"note{number}.txt").write_text("nothing to read\n")
-    assert main(["convert", str(tmp_path), "-o", str(tmp_path / "all.mseed")]) == 0
-    assert capsys.readouterr().err == f"not records: {', '.join(f'note{number}.txt' for number in range(8))}\n"
+    assert (
+        run("convert", tmp_path, "-o", tmp_path / "all.mseed").err
+        == f"not records: {', '.join(f'note{number}.txt' for number in range(8))}\n"
+    )
 
 
 def test_a_file_that_was_converted_as_advised_needs_no_option(tmp_path):

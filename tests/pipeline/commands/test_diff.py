@@ -19,10 +19,9 @@ def files(results, tmp_path_factory):
     return results, str(second)
 
 
-def test_exit_code_zero_where_the_results_are_the_same(files, capsys):
-    assert main(["diff", files[0], files[0]]) == 0
-    assert "The results are the same" in capsys.readouterr().out
-    assert main(["diff", *files, "--rtol", "1e-5"]) == 0
+def test_exit_code_zero_where_the_results_are_the_same(files, run):
+    assert "The results are the same" in run("diff", files[0], files[0]).out
+    run("diff", *files, "--rtol", "1e-5")
 
 
 @pytest.mark.sweep
@@ -32,9 +31,8 @@ def test_the_other_options_are_passed_on(files):
 
 
 @pytest.mark.sweep
-def test_exit_code_one_where_they_differ(files, capsys):
-    assert main(["diff", *files]) == 1
-    out = capsys.readouterr().out
+def test_exit_code_one_where_they_differ(files, run):
+    out = run("diff", *files, code=1).out
     assert "Variables beyond rtol 1e-09" in out
     assert "/summary/pga" in out
     assert "1.0e-06" in out
@@ -42,18 +40,16 @@ def test_exit_code_one_where_they_differ(files, capsys):
 
 
 @pytest.mark.slow
-def test_one_screen_or_all_of_it(files, tmp_path, capsys):
+def test_one_screen_or_all_of_it(files, tmp_path, run):
     tree = results_tree()
     for variable in tree["summary"].data_vars.values():
         if variable.dtype.kind == "f":
             variable.values[...] = variable.values * 1.5 + 0.1
     save(tree, tmp_path / "c.h5")
-    assert main(["diff", files[0], str(tmp_path / "c.h5")]) == 1
-    brief = capsys.readouterr().out
+    brief = run("diff", files[0], tmp_path / "c.h5", code=1).out
     assert len(brief.splitlines()) <= 50
     assert "All differences: rockpulse diff BEFORE AFTER --full" in brief
-    assert main(["diff", files[0], str(tmp_path / "c.h5"), "--full"]) == 1
-    whole = capsys.readouterr().out
+    whole = run("diff", files[0], tmp_path / "c.h5", "--full", code=1).out
     shown, more = brief.count("  /summary/"), int(re.search(r"and (\d+) more variables", brief)[1])
     assert shown == 6
     assert whole.count("  /summary/") == shown + more

@@ -9,11 +9,10 @@ from rockpulse.cli import main
 from rockpulse.storage.hdf5.results_file import save
 
 
-def test_a_table_and_its_readme(results, tmp_path, capsys):
+def test_a_table_and_its_readme(results, tmp_path, run):
     target = tmp_path / "table.csv"
     options = ["--outcome", "overturns", "--model", "nonlinear", "--sort", "safety_factor", "--columns", "pga,outcome"]
-    assert main(["export", results, "-o", str(target), *options]) == 0
-    out = capsys.readouterr().out.splitlines()
+    out = run("export", results, "-o", target, *options).out.splitlines()
     assert out[0] == f"{target}: 1 rows, one per record x block x model, 5 columns"
     assert pd.read_csv(target).to_dict("records") == [
         {"record": RECORDS[0], "block": "boundary wall", "model": "nonlinear", "pga": 5.5574, "outcome": "overturns"}
@@ -22,22 +21,19 @@ def test_a_table_and_its_readme(results, tmp_path, capsys):
     assert "| column | unit | empty cells of 1 | meaning |" in readme
     assert "`inf`: no limit" in readme
     # The same table in another format has its own README.
-    assert main(["export", results, "-o", str(tmp_path / "table.csv.gz"), *options]) == 0
+    run("export", results, "-o", tmp_path / "table.csv.gz", *options)
     assert (tmp_path / "table.csv.gz.README.md").exists()
     assert "From `results.h5` (Borgo;" in readme
     assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
 
 
 @pytest.mark.sweep
-def test_other_groups_and_rows(results, tmp_path, capsys):
-    assert (
-        main(["export", results, "-o", str(tmp_path / "f.csv"), "--group", "failures", "--where", "kind=failed"]) == 0
-    )
+def test_other_groups_and_rows(results, tmp_path, run):
+    run("export", results, "-o", tmp_path / "f.csv", "--group", "failures", "--where", "kind=failed")
     assert pd.read_csv(tmp_path / "f.csv")["file"].tolist() == ["cut.AT2"]
-    assert main(["export", results, "-o", str(tmp_path / "r.csv"), "--rows", "record", "--record", "CI.*"]) == 0
+    run("export", results, "-o", tmp_path / "r.csv", "--rows", "record", "--record", "CI.*")
     assert pd.read_csv(tmp_path / "r.csv")["record"].tolist() == RECORDS[:2]
-    assert main(["export", results, "-o", str(tmp_path / "l.csv"), "--limit", "5"]) == 0
-    assert "l.csv: 5 of 27 rows" in capsys.readouterr().out
+    assert "l.csv: 5 of 27 rows" in run("export", results, "-o", tmp_path / "l.csv", "--limit", "5").out
 
 
 @pytest.mark.sweep

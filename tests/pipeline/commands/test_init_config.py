@@ -1,15 +1,12 @@
 """``rockpulse init-config``."""
 
-from rockpulse.cli import main
 from rockpulse.config.configuration import load_config
 
 
-def test_the_template_that_is_written_is_a_configuration(tmp_path, capsys):
+def test_the_template_that_is_written_is_a_configuration(tmp_path, run):
     target = tmp_path / "site.toml"
-    assert main(["init-config", "-o", str(target)]) == 0
-    assert str(target) in capsys.readouterr().out
+    assert str(target) in run("init-config", "-o", target).out
     assert [block.name for block in load_config(target).bodies] == ["block"]
     target.write_text("mine")
-    assert main(["init-config", "-o", str(target)]) == 2
-    assert "the file exists" in capsys.readouterr().err
+    assert "the file exists" in run("init-config", "-o", target, code=2).err
     assert target.read_text() == "mine"

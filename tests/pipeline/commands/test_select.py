@@ -4,8 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rockpulse.cli import main
-
 CONFIG = """
 [records]
 events = "events.csv"
@@ -34,19 +32,16 @@ def site(tmp_path):
 
 
 @pytest.mark.sweep
-def test_a_table_and_a_picture_are_written(site, tmp_path, capsys):
+def test_a_table_and_a_picture_are_written(site, tmp_path, run):
     table = tmp_path / "selection.csv"
     options = ["select", str(tmp_path / "r*.csv"), "--config", str(site), "-n", "2", "-o", str(table)]
-    assert main(options) == 0
-    shown = capsys.readouterr().out
+    shown = run(*options).out
     assert "2 records of 4, 2 earthquakes" in shown
     assert "NOT WITHIN" in shown
     found = pd.read_csv(table)
     assert list(found.columns) == ["record", "factor", "event"]
     assert len(found) == 2
     assert (tmp_path / "selection.png").read_bytes()[1:4] == b"PNG"
-    assert main(options) == 2
-    assert "exists" in capsys.readouterr().err
-    assert main([*options, "--overwrite", "--quiet"]) == 0
-    told = capsys.readouterr()
+    assert "exists" in run(*options, code=2).err
+    told = run(*options, "--overwrite", "--quiet")
     assert (told.out, told.err) == ("", "rockpulse: the mean spectrum is not within the tolerance\n")

@@ -55,10 +55,9 @@ def flat(text):
 
 
 @pytest.mark.sweep
-def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder, quick, tmp_path, capsys):
+def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder, quick, tmp_path, run):
     given = ["--config", str(quick), *BLOCK, "-o", str(tmp_path / "results.h5")]
-    assert main(["assess", str(folder), *given]) == 1
-    out = capsys.readouterr().out
+    out = run("assess", folder, *given, code=1).out
     told = flat(out)
     assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Each body, 2 records ", told)
     named = ", ".join(str(path) for path in sorted(folder.glob("m*")))
@@ -69,11 +68,9 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
 
 
 @pytest.mark.sweep
-def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, capsys):
-    assert main(["inspect", str(assessed)]) == 0
-    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
-    assert main(["inspect", str(assessed), "--failures"]) == 0
-    assert capsys.readouterr().out.count("no reader recognises the file") == UNREAD
+def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, run):
+    assert f"! {COUNT}: {WHY}." in flat(run("inspect", assessed).out)
+    assert run("inspect", assessed, "--failures").out.count("no reader recognises the file") == UNREAD
 
 
 @pytest.mark.sweep
@@ -93,10 +90,9 @@ def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path, monk
 
 
 @pytest.mark.parametrize("quiet", [True, False])
-def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder, tmp_path, capsys, quiet):
+def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder, tmp_path, run, quiet):
     given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
-    assert main(given) == 1
-    said = capsys.readouterr().err
+    said = run(*given, code=1).err
     line = f"rockpulse: no record could be assessed; nothing was written: 6 files could not be used: {WHY}.\n"
     assert said.endswith(line)
     assert (said == line) == quiet
@@ -106,7 +102,7 @@ def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder,
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("verb", ["fragility", "calibrate"])
-def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, verb):
+def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, run, verb):
     config = tmp_path / "site.toml"
     config.write_text(
         "[search]\npoints = 16\n[calibration]\nbootstrap = 100\n"
@@ -114,12 +110,15 @@ def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, ve
     )
     path = tmp_path / "out.h5"
     block = ["--block", "wall=0.3x2.4"]
-    assert main([verb, str(folder), *block, "--config", str(config), "-o", str(path), "--quiet"]) == 1
-    assert capsys.readouterr().err == f"rockpulse: {COUNT}: {WHY}.\n"
-    assert main(["inspect", str(path)]) == 0
-    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
+    assert (
+        run(verb, folder, *block, "--config", config, "-o", path, "--quiet", code=1).err
+        == f"rockpulse: {COUNT}: {WHY}.\n"
+    )
+    assert f"! {COUNT}: {WHY}." in flat(run("inspect", path).out)
 
 
-def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
-    assert main(["convert", str(folder), "-o", str(tmp_path / "all.mseed"), "--quiet"]) == 1
-    assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")
+def test_what_is_converted_is_counted_too(folder, tmp_path, run):
+    assert run("convert", folder, "-o", tmp_path / "all.mseed", "--quiet", code=1) == (
+        "",
+        f"rockpulse: {COUNT}: {WHY}.\n",
+    )

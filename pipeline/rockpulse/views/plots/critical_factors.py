@@ -35,38 +35,21 @@ def overturning_map(
     tree: xr.DataTree,
     record: str | None = None,
     block: str | None = None,
-    model: str | None = None,
-    ax: Axes | None = None,
+    models: Sequence[str] | None = None,
+    axes: Axes | None = None,
     most: int = factor_rows.ROWS,
 ) -> Axes:
     """Draw the intervals of scale factors in which bodies overturn, and the intervals in which they survive.
 
     If intervals of overturning were not searched, the scale factors at P = 10 % and P = 50 % are drawn. Rows without a
     scale factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale
-    factor of each demand.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    record, block : str, optional
-        Give `record` for a row per body (and restitution), or `block` for a row per record. Neither is needed if there
-        is only one record.
-    model : str, optional
-        By default the most complete model of the results.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure with a height that fits its rows.
-    most : int
-        Largest number of rows; the rows with the smallest scale factors are shown.
-
-    Examples
-    --------
-    >>> ax = rp.plots.overturning_map(results, block="stele")
-    >>> ax.get_xlabel(), [label.get_text() for label in ax.get_yticklabels()]
-    ('scale factor on the record [-]', ['burst.2', 'burst.1', 'burst.3', 'CI.CCC', 'burst.0'])
+    factor of each demand. With `record` there is a row per body (and restitution), with `block` a row per record; the
+    model is the most complete one by default.
     """
     summary = tree["summary"].to_dataset()
-    model = fullest_model(summary) if model is None else one_name(summary, "model", model)
+    if models is not None and len(models) != 1:
+        raise ResultsError(f"overturning-map: expected one model, got {', '.join(models)}")
+    model = fullest_model(summary) if models is None else one_name(summary, "model", models[0])
     blocks, records = ([str(name) for name in summary[one].values] for one in ("block", "record"))
     blocks = blocks if block is None else [one_name(summary, "block", block)]
     records = records if block is not None and record is None else [one_name(summary, "record", record)]
@@ -83,7 +66,7 @@ def overturning_map(
     asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
     needed = {demand: factor_rows.ticks_of_rows(ticks, kept, merged) for demand, ticks in asked.items()}
     rows, factors, half, bound = [rows[place] for place in kept], factors[kept], half[kept], resolved[kept] == 0
-    ax = style.one_axes(ax, height=1.5 + factor_rows.ROW * max(len(rows), 3))
+    ax = style.one_axes(axes, height=1.5 + factor_rows.ROW * max(len(rows), 3))
     lowest = factor_rows.least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
@@ -119,30 +102,12 @@ def critical_scale(
     block: str | None = None,
     models: Sequence[str] | None = None,
     case: int = 1,
-    ax: Axes | None = None,
+    axes: Axes | None = None,
 ) -> Axes:
     """Draw, for every record, the smallest scale factor at which a body overturns in each model.
 
-    If no search was made with the nonlinear model, its scale factor at P = 10 % is drawn. Every record has a
-    row; rows are sorted by the most complete model, with the smallest scale factor on top.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    block : str, optional
-        Name; not needed if there is only one.
-    models : sequence of str, optional
-        By default all models that were searched for scale factors.
-    case : int
-        Number of the restitution, from 1.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure with a height that fits its rows.
-
-    Examples
-    --------
-    >>> rp.plots.critical_scale(results, "pier").get_xlabel().split(" on ")[0]
-    'smallest scale factor'
+    If no search was made with the nonlinear model, its scale factor at P = 10 % is drawn. Rows are sorted by the most
+    complete model, with the smallest scale factor on top; `case` is the number of the restitution, from 1.
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
@@ -158,7 +123,7 @@ def critical_scale(
     leading = full if full in searched else searched[-1]
     order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[: factor_rows.ROWS]
     end = settings_of(tree, SearchSettings).factor_max
-    ax = style.one_axes(ax, height=1.6 + factor_rows.ROW * max(order.size, 4))
+    ax = style.one_axes(axes, height=1.6 + factor_rows.ROW * max(order.size, 4))
     drawn = own.isel(record=order)
     records = [str(name) for name in drawn["record"].values]
     none_at = [end * _NONE ** (1 + place) for place in range(len(searched) + 1)]

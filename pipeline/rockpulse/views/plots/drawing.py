@@ -28,13 +28,12 @@ from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots import ground_motion, selection, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
-from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation_panels import rotation_history
-from rockpulse.views.plots.site import calibration, site_accelerogram
+from rockpulse.views.plots.site import calibration, limit_accelerogram, site_accelerogram
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.record_facts import Known
@@ -57,42 +56,57 @@ def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -
     return record, block, f"{names}\n{style.plain(Known(summary, record=record).described)}".rstrip()
 
 
+def _accelerogram(tree: xr.DataTree, axes: style.Panels | None = None, record: str | None = None) -> np.ndarray:
+    record = selection.one_name(tree["summary"].to_dataset(), "record", record)
+    return ground_motion.accelerogram(ground_motion.stored_motion(tree, record), axes)
+
+
 def _limit_accelerogram(
-    tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
+    tree: xr.DataTree,
+    axes: style.Panels | None = None,
+    record: str | None = None,
+    block: str | None = None,
+    case: int = 1,
 ) -> np.ndarray:
     if "site" in tree.children:
-        return site_accelerogram(tree, block)
+        return site_accelerogram(tree, block, axes)
     record, block, name = _pair(tree, record, block, case)
     body, sequence = selection.block_of(tree["summary"].to_dataset(), block, case), selection.sequence_of(tree, record)
     try:
-        return limit_accelerogram(body, sequence, name=name)
+        return limit_accelerogram(body, sequence, axes, name)
     except ValueError as error:
         raise ResultsError(f"{record}, {block}: the sequence has no limit accelerogram: {error}") from error
 
 
 def _rotation_history(
-    tree: xr.DataTree, record: str | None = None, block: str | None = None, **options: Any
+    tree: xr.DataTree,
+    axes: style.Panels | None = None,
+    record: str | None = None,
+    block: str | None = None,
+    **options: Any,
 ) -> np.ndarray:
     record, block, name = _pair(tree, record, block, options.get("case", 1))
     factor = options.get("factor", 1.0)
     name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=six_digits(factor))
-    return rotation_history(histories(tree, record, block, **options), title=name)
+    return rotation_history(histories(tree, record, block, **options), axes, name)
 
 
-def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Axes:
+def _rocking_spectrum(
+    tree: xr.DataTree, axes: Axes | None = None, record: str | None = None, restitution: float | str = "housner"
+) -> Axes:
     summary = tree["summary"].to_dataset()
     record = selection.one_name(summary, "record", record)
-    own = {name: summary.sel(block=name) for name in selection.plain_bodies(summary)}
-    marked = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
-    p = _reaching(P, [rate for rate, _ in marked.values()])
-    alpha = _reaching(ALPHAS, [angle for _, angle in marked.values()])
     if restitution != "housner" and not 0.0 <= float(restitution) <= 1.0:
         raise ConfigError(f'restitution: expected a number from 0 to 1 or "housner", got {restitution}')
     c: Any = restitution if restitution == "housner" else float(restitution)
+    own = summary.sel(block=selection.plain_bodies(summary))
+    names, rates, angles = (own[name].values.tolist() for name in ("block", "p", "alpha_c"))
+    grid = _reaching(P, rates), _reaching(ALPHAS, angles)
     gravity = float(summary["gravity"][0])
-    spectrum = compute_spectrum(ground_motion.stored_record(tree, record), p, alpha, restitution=c, gravity=gravity)
+    spectrum = compute_spectrum(ground_motion.stored_record(tree, record), *grid, restitution=c, gravity=gravity)
     note = " ".join(style.notes(no_vertical=ground_motion.had_vertical(summary, record)))
-    return rocking_spectrum(spectrum, bodies=marked, note=note)
+    marked = dict(zip(names, zip(rates, angles, strict=True), strict=True))
+    return rocking_spectrum(spectrum, axes, bodies=marked, note=note)
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
@@ -101,13 +115,15 @@ def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
     return np.linspace(low, high, len(values)).tolist()
 
 
-def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Axes:
+def _spectrum(
+    tree: xr.DataTree, axes: Axes | None = None, record: str | None = None, restitution: float | str | None = None
+) -> Axes:
     summary = tree["summary"].to_dataset()
     records = None if record is None else [selection.one_name(summary, "record", record)]
     if restitution == "housner":
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
-    return spectra_of_results(tree, spectra_of_records(tree, c, records), c)
+    return spectra_of_results(tree, spectra_of_records(tree, c, records), c, axes)
 
 
 def has_spectra(tree: xr.DataTree) -> bool:
@@ -143,35 +159,23 @@ def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[
     return xr.concat(found, xr.Variable("record", [motion.id for motion in moving]), combine_attrs="drop_conflicts")
 
 
-def _overturning_map(
-    tree: xr.DataTree, record: str | None = None, block: str | None = None, models: Sequence[str] | None = None
-) -> Axes:
-    if models is not None and len(models) != 1:
-        raise ResultsError(f"overturning-map: expected one model, got {', '.join(models)}")
-    return overturning_map(tree, record, block, None if models is None else models[0])
-
-
 #: For each kind of picture (:data:`rockpulse.plots.KINDS`): the function that draws it from a tree and options.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
-    "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
-        ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
-    ),
+    "accelerogram": _accelerogram,
     "bodies": bodies,
     "limit-accelerogram": _limit_accelerogram,
     "rotation-history": _rotation_history,
     "rocking-spectrum": _rocking_spectrum,
     "spectrum": _spectrum,
-    "overturning-map": _overturning_map,
+    "overturning-map": overturning_map,
     "probability": probability_map,
     "critical-scale": critical_scale,
-    "fragility": lambda tree, block=None, measure=None, limit_states=None: fragility_panels(
-        tree, block, measure and [measure], limit_states
-    ),
+    "fragility": fragility_panels,
     "calibration": calibration,
 }
 
 
-def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
+def draw(tree: xr.DataTree, kind: str, axes: style.Panels | None = None, **options: Any) -> Figure:
     """Draw a picture of a results file.
 
     Parameters
@@ -180,6 +184,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         Results from :func:`rockpulse.load`, or from the functions that compute them.
     kind : str
         One of :data:`~rockpulse.plots.KINDS`.
+    axes : matplotlib Axes or array_like of Axes, optional
+        Axes to draw on, one for each panel of the picture; by default on a new figure.
     **options
         Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
@@ -189,7 +195,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     Returns
     -------
     matplotlib Figure
-        A figure without a window; :func:`rockpulse.plots.svg` and ``savefig`` write it as text or file.
+        The figure of the axes, or a new one without a window; :func:`rockpulse.plots.svg` and ``savefig`` write it.
 
     Raises
     ------
@@ -216,7 +222,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         if name in SEVERAL:
             value = given.pop(name)
             given[f"{name}s"] = [value] if isinstance(value, str) else value
-    return style.whole_figure(DRAWERS[kind](tree, **given))
+    return style.whole_figure(DRAWERS[kind](tree, axes=axes, **given))
 
 
 def plot(

@@ -60,8 +60,7 @@ def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarr
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
     """Format a logarithmic axis of scale factors and name its rows; scale factors from `end` to `last` are shaded."""
-    ax.set_xscale("log")
-    ax.set_xlim(begin, end if last is None else last)
+    ax.set(xscale="log", xlim=(begin, end if last is None else last))
     if last is not None:
         ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
         ax.text(np.sqrt(end * last), -0.75, f">{six_digits(end)}", fontsize=SMALL, ha="center", va="bottom", color=GREY)

@@ -27,74 +27,25 @@ _WIDE, _ABOVE = 0.8, 0.01
 _BETWEEN, _WARNINGS = 8, 4
 
 
-def fragility(
+def fragility_panels(
     tree: xr.DataTree,
     block: str | None = None,
     measure: str | None = None,
     limit_states: Sequence[str] | None = None,
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw the probability of each limit state over an intensity measure, and the confidence band of one limit state.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Result of :func:`rockpulse.fragility`.
-    block : str, optional
-        Name; not needed if there is only one.
-    measure : str, optional
-        By default p PGV/(g tan alpha_c), or the first measure of the file.
-    limit_states : sequence of str, optional
-        Limit states of the file; all by default. The band is drawn for the first of them that has a band; by default
-        for overturning, or for the last limit state if the file has no overturning.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib Axes
-        Axes with a line for every fitted curve, one filled band unless it spans nearly 0 to 1, and, for up to three
-        limit states and if every record was scaled, a mark for each single capacity.
-
-    Examples
-    --------
-    >>> rp.plots.fragility(fragility, "pier", measure="pga").get_xlabel()
-    'PGA [m/s²]'
-    """
-    measure = measure or displayed_measure(tree["fragility"].to_dataset())
-    found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
-    return found
-
-
-def fragility_panels(
-    tree: xr.DataTree,
-    block: str | None = None,
-    measures: Sequence[str] | None = None,
-    limit_states: Sequence[str] | None = None,
     axes: Panels | None = None,
 ) -> np.ndarray:
-    """Draw the curves of :func:`fragility` over several measures in adjacent panels.
+    """Draw the probability of each limit state of a body over several intensity measures, in adjacent panels.
 
-    Parameters
-    ----------
-    tree, block, limit_states : xarray.DataTree, str, sequence of str
-        As in :func:`fragility`.
-    measures : sequence of str, optional
-        Measures, one per panel; by default the measure of :func:`fragility` and, if the file contains it, the measure
-        of the power law in `[hazard]` or, without a power law, PGA.
-    axes : matplotlib Axes, optional
-        Axes for each measure; by default on a new figure.
-
-    Examples
-    --------
-    >>> [ax.get_xlabel() for ax in rp.plots.fragility_panels(fragility, "pier", measures=["pga", "pgv"])]
-    ['PGA [m/s²]', 'PGV [m/s]']
+    By default the measures are p PGV/(g tan alpha_c), or the first of the file, and the measure of the power law in
+    `[hazard]` or, without a power law, PGA. The confidence band is drawn for the first of the given limit states that
+    has a band; by default for overturning, or for the last limit state if the file has no overturning. Single
+    capacities are marks, for up to three limit states and if every record was scaled.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
     usual = dict.fromkeys((displayed_measure(curves), settings_of(tree, HazardSettings).measure))
     there = [name for name in usual if name in curves["measure"].values]
-    chosen = [one_name(curves, "measure", name) for name in measures or there]
+    chosen = [one_name(curves, "measure", name) for name in ([measure] if measure else there)]
     panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
@@ -165,8 +116,7 @@ def _panel(
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=say("plot.fragility.lifts"))
         notes += style.notes(lifts=True)
-    ax.set_ylim(-0.01, 1.01)
-    ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
+    ax.set(ylim=(-0.01, 1.01), xlabel=f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
     crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), drawn)
     return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _merged_warnings(warnings, len(states))

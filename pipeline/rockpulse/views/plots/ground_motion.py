@@ -32,16 +32,7 @@ _TIME = real("time from the first sample", "s", dims=("sample",))
 def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     """Return accelerogram, half-waves and impulses of a stored record, as :func:`motion_of_record` does.
 
-    Raises
-    ------
-    ResultsError
-        If the file does not contain the accelerogram.
-
-    Examples
-    --------
-    >>> impulse = rp.plots.stored_motion(results, "burst.2")["impulse"]
-    >>> round(float(impulse.max()), 2), impulse.attrs["units"]
-    (1.19, 'm s^-1')
+    Raise ResultsError if the file does not contain the accelerogram.
     """
     summary = tree["summary"].to_dataset()
     own = summary.sel(record=record)
@@ -62,25 +53,8 @@ def motion_of_record(
 ) -> xr.Dataset:
     """Return the ground motion of a conditioned record as the dataset from which pictures are drawn.
 
-    Parameters
-    ----------
-    record : Record
-        The conditioned record.
-    waves, phase, sequence : HalfWaves, IntensePhase, ImpulseSequence, optional
-        By default the results of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
-        :func:`rockpulse.record_sequence`, without a sequence if the phase contains too few half-waves.
-
-    Returns
-    -------
-    xarray.Dataset
-        `acceleration`, `time` (sample), `impulse`, `centroid`, `start`, `end`, `peak` (wave), and the scalars `dt`,
-        `intense_start`, `intense_end`, `main_impulse`, `secondary_impulse`, each with `units` and `long_name`.
-
-    Examples
-    --------
-    >>> motion = motion_of_record(rp.Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
-    >>> motion["impulse"].values.round(3).tolist(), motion["impulse"].attrs["units"]
-    ([0.225, -0.225, 0.1], 'm s^-1')
+    It has the variables `acceleration`, `time` (sample), `impulse`, `centroid`, `start`, `end`, `peak` (wave), and the
+    scalars `dt`, `intense_start`, `intense_end`, `main_impulse`, `secondary_impulse`.
     """
     waves = half_waves(record) if waves is None else waves
     phase = intense_phase(record) if phase is None else phase
@@ -135,20 +109,7 @@ _AROUND, _LEAST, _WHOLE = 0.1, 1.0, 450
 
 
 def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
-    """Draw the whole record, its intense phase with the half-waves, and their impulses at the centroids.
-
-    Parameters
-    ----------
-    motion : xarray.Dataset
-        Result of :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record`.
-    axes : array_like of three matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-
-    Examples
-    --------
-    >>> rp.plots.accelerogram(rp.plots.stored_motion(results, "burst.2"))[0].get_ylabel()
-    '[m/s²]'
-    """
+    """Draw the whole record, its intense phase with the half-waves, and their impulses at the centroids."""
     panels = style.several_axes(axes, 3, height=5.6, height_ratios=[0.55, 1.0, 1.0])[:, 0]
     if axes is None:
         panels[2].sharex(panels[1])
@@ -230,7 +191,6 @@ def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None
             handles.append(ax.axhline(size, color=RED, ls=dashes, lw=1.0, label=words))
             ax.axhline(-size, color=RED, ls=dashes, lw=1.0)
     limit = max(largest, 1e-12) * 1.15
-    ax.set_ylim(-limit, limit)
-    ax.set_ylabel(style.wrapped(style.label(motion["impulse"]), 24))
+    ax.set(ylim=(-limit, limit), ylabel=style.wrapped(style.label(motion["impulse"]), 24))
     style.legend_above(ax, 4, handles=handles)
     style.caption(ax, " ".join(style.notes(no_sequence=not np.isfinite(float(motion["main_impulse"])))))

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from rocking.body.block import Block
@@ -30,53 +29,28 @@ LANES = 6
 MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
-def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
-    """Draw the impulses of half-waves at their centroids; impulses above half of the largest have another colour.
-
-    Parameters
-    ----------
-    waves : HalfWaves
-        Half-waves of one record.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-
-    Examples
-    --------
-    >>> rp.plots.half_wave_impulses(rp.half_waves(record)).get_ylabel()
-    'impulse [m/s]'
-    """
-    ax = style.one_axes(ax, height=2.6)
+def half_wave_impulses(waves: HalfWaves) -> Axes:
+    """Draw the impulses of half-waves at their centroids; impulses above half of the largest have another colour."""
+    ax = style.one_axes(height=2.6)
     size = np.abs(waves.impulse)
     strong = size >= STRONG * np.max(size, initial=0.0)
     for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "strong_impulses")):
         label = say(f"plot.ground.{words}")
         ax.vlines(waves.centroid[chosen], 0.0, waves.impulse[chosen], color=colour, lw=0.9, label=label)
     ax.axhline(0.0, color=BLACK, lw=0.5)
-    ax.set_xlabel(say("plot.from_first.sample"))
-    ax.set_ylabel(say("plot.object.impulse"))
+    ax.set(xlabel=say("plot.from_first.sample"), ylabel=say("plot.object.impulse"))
     style.legend_above(ax, 2)
     style.title(ax, style.plain(waves.record_id), rows=1)
     return ax
 
 
-def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
+def two_half_cycles(sequence: ImpulseSequence) -> Axes:
     """Draw two half-cycles of an impulse sequence over time in units of dT; of several sequences, the first is drawn.
 
-    Parameters
-    ----------
-    sequence : ImpulseSequence
-        If the number of intermediate impulses is not given, four are drawn; the true number depends on the half-cycles
-        of a block (see :func:`limit_accelerogram`).
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-
-    Examples
-    --------
-    >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0)
-    >>> rp.plots.two_half_cycles(sequence).get_ylabel()
-    'impulse of the ground [m/s]'
+    If the number of intermediate impulses is not given, four are drawn; the true number depends on the half-cycles of a
+    block.
     """
-    ax = style.one_axes(ax, height=2.6)
+    ax = style.one_axes(height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
     words = say("plot.sequence.main", size=three_digits(mains[0, 1]))
@@ -87,42 +61,22 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     elif secondary > 0.0:
         ax.fill_between([0.0, 2.0 * mains[1, 0]], -secondary, secondary, color=BLUE, alpha=0.25, lw=0.0, label=words)
     ax.axhline(0.0, color=BLACK, lw=0.5)
-    ax.set_xlabel(say("plot.object.intervals"))
-    ax.set_ylabel(say("plot.sequence.impulse"))
+    ax.set(xlabel=say("plot.object.intervals"), ylabel=say("plot.sequence.impulse"))
     style.legend_above(ax, 2)
     style.caption(ax, " ".join(style.notes(of_block=sequence.intermediate_count is None)))
     return ax
 
 
-def block_outlines(block: Block) -> Figure:
-    """Draw a block with its sizes and restraints, or the first eight blocks of an array, each at its own scale.
-
-    The view is along the base, with theta > 0 to the right.
-
-    >>> rp.plots.block_outlines(pier).axes[0].texts[0].get_text()
-    '4 m'
-    """
+def block_outlines(block: Block) -> np.ndarray:
+    """Draw a block with its sizes and restraints, or the first eight blocks of an array, each at its own scale."""
     count = block.shape[0] if block.shape else 0
     names = [say("plot.object.block", number=lane + 1) for lane in range(count)]
     return _outlines([(name, block.lane(lane), []) for lane, name in enumerate(names)] or [("", block, [])])
 
 
-def response(answer: Response, ax: Axes | None = None) -> Axes:
-    """Draw the first motions of a response over time or, if it has no history, the peak of every motion.
-
-    Parameters
-    ----------
-    answer : Response
-        Response of any model, with a history if it was requested.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-
-    Examples
-    --------
-    >>> rp.plots.response(rp.models.recorded_response(pier, record.acceleration, record.dt)).get_xlabel()
-    'body'
-    """
-    ax = style.one_axes(ax)
+def response(answer: Response) -> Axes:
+    """Draw the first motions of a response over time or, if it has no history, the peak of every motion."""
+    ax = style.one_axes()
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
     if answer.time is None or answer.rotation is None:
         return _peaks(ax, codes, peaks)
@@ -135,8 +89,7 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         words = _word(Outcome(codes[place]))
         words = words if len(lanes) == 1 else say("plot.object.of_lane", lane=place + 1, words=words)
         ax.plot(*thinned(answer.time[inside], rotation[inside], INSTANTS), lw=1.0, label=words)
-    ax.set_xlabel(say("plot.object.time"))
-    ax.set_ylabel(say("plot.object.rotation"))
+    ax.set(xlabel=say("plot.object.time"), ylabel=say("plot.object.rotation"))
     style.legend_above(ax, 3)
     style.caption(ax, say("plot.object.lanes", count=LANES, total=len(lanes)) if len(lanes) > LANES else "")
     return ax
@@ -153,40 +106,34 @@ def _peaks(ax: Axes, codes: np.ndarray, peaks: np.ndarray) -> Axes:
         if own.size:
             heights = np.nan_to_num(np.minimum(peaks[own], TOP), nan=0.0)
             ax.bar(own + 1, np.maximum(heights, 0.01), color=colour, label=_word(outcome))
-    ax.set_xlabel(say("plot.object.lane"))
-    ax.set_ylabel(say("plot.object.peak"))
-    ax.set_ylim(0.0, 1.3)
+    ax.set(xlabel=say("plot.object.lane"), ylabel=say("plot.object.peak"), ylim=(0.0, 1.3))
     style.legend_above(ax, 4)
     style.caption(ax, say("plot.object.bars"))
     return ax
 
 
-def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
-    """Draw the first eight bodies, or a selected body, from the results of an assessment.
+def bodies(tree: xr.DataTree, axes: style.Panels | None = None, block: str | None = None) -> np.ndarray:
+    """Draw the first eight bodies, or a selected body, from the results of an assessment, each at its own scale.
 
-    The view is along the base, with theta > 0 to the right; each body has its own scale.
-
-    >>> [ax.get_title() for ax in rp.plots.bodies(results).axes[:2]]
-    ['stele', 'pier']
+    The view is along the base, with theta > 0 to the right.
     """
     summary = tree["summary"].to_dataset()
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
     floors = [floors_from_text(str(summary["floors"].sel(block=name).values)) for name in names]
     periods = [[mode.period for mode in floor] for floor in floors]
-    return _outlines([(name, block_of(summary, name), one) for name, one in zip(names, periods, strict=True)])
+    drawn = [(name, block_of(summary, name), one) for name, one in zip(names, periods, strict=True)]
+    return _outlines(drawn, axes)
 
 
-def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
+def _outlines(drawn: Sequence[tuple[str, Block, list[float]]], axes: style.Panels | None = None) -> np.ndarray:
     """Draw the first eight bodies, each given by its name, its block and the periods of its floor [s]."""
-    drawn = drawn[:MOST]
-    rows = math.ceil(len(drawn) / IN_ROW)
-    figure = style.figure_of(height=3.2 * rows)
-    panels = figure.subplots(rows, IN_ROW, squeeze=False).ravel()
+    rows = math.ceil(min(len(drawn), MOST) / IN_ROW)
+    panels = style.several_axes(axes, rows, IN_ROW, height=3.2 * rows).ravel()
     for ax, one in zip(panels, drawn, strict=False):
         _draw(ax, *one)
     for ax in panels[len(drawn) :]:
         ax.set_visible(False)
-    return figure
+    return panels
 
 
 def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
@@ -220,7 +167,6 @@ def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
     for tip, tail, colour in arrows:
         ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
     ax.set_aspect("equal")
-    ax.set_xlim(left - 0.25 * height, body.right + 0.45 * height)
-    ax.set_ylim(-0.28 * height, 1.2 * height)
+    ax.set(xlim=(left - 0.25 * height, body.right + 0.45 * height), ylim=(-0.28 * height, 1.2 * height))
     ax.axis("off")
     ax.set_title(style.wrapped(style.plain(name), 20), fontsize=SMALL)

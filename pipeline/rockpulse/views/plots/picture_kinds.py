@@ -71,10 +71,7 @@ KINDS = {
 }
 
 #: Options of the command line for each keyword of :func:`~rockpulse.plots.draw`.
-OPTIONS = {
-    name: f"--{name.replace('_', '-')}"
-    for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
-}
+OPTIONS = {name: f"--{name.replace('_', '-')}" for row in KINDS.values() for name in row.options}
 
 
 def kind_list() -> str:

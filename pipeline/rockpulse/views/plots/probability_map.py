@@ -27,26 +27,12 @@ ROWS, COLUMNS, UPRIGHT, WRITTEN = 50, 30, 5, 10
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
 
-def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | None = None) -> Axes:
-    """Draw the probability that each record overturns each body, darker for higher probabilities.
+def probability_map(tree: xr.DataTree, demand: str | None = None, axes: Axes | None = None) -> Axes:
+    """Draw the probability that each record, unscaled or scaled to a demand, overturns each body; darker is higher.
 
     Without a computed probability, the map shows whether the record overturns the body in the most complete model of
     the results. It has a row for every record, with the highest probability on top; a sweep has a row for every pair of
     channels, in its worst direction.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    demand : str, optional
-        Name of a demand to which every record is scaled; by default the records are unscaled.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure with a height that fits its rows.
-
-    Examples
-    --------
-    >>> [label.get_text() for label in rp.plots.probability_map(results).get_xticklabels()]
-    ['stele', 'pier']
     """
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
@@ -65,7 +51,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
     probabilities = values[np.ix_(rows, columns)]
     upright = columns.size <= UPRIGHT
-    ax = style.one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
+    ax = style.one_axes(axes, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
     colours = colormaps["cividis_r"].with_extremes(bad="white")
     norm = BoundaryNorm(LEVELS, colours.N)
     mesh = ax.pcolormesh(np.ma.masked_invalid(probabilities), cmap=colours, norm=norm, ec="white", lw=0.6)

@@ -21,22 +21,7 @@ _TOP = 1.5
 
 
 def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = None, title: str = "") -> np.ndarray:
-    """Draw the rotation divided by alpha_c over time, and below it the impacts of each model.
-
-    Parameters
-    ----------
-    histories : sequence of ModelHistory
-        Result of :func:`~rockpulse.plots.histories`.
-    axes : array_like of two matplotlib Axes, optional
-        Axes to draw on; by default a new figure with a common time axis.
-    title : str
-        Title of the figure.
-
-    Examples
-    --------
-    >>> rp.plots.rotation_history(rp.plots.histories(results, "burst.2", "pier"))[1].get_ylabel()
-    'impacts'
-    """
+    """Draw the rotation divided by alpha_c over time, and below it the impacts of each model."""
     rows = 0.35 + 0.17 * len(histories)
     ratios = [2.9, rows]
     moving, below = panels = style.several_axes(axes, 2, height=3.4 + rows, sharex=True, height_ratios=ratios).ravel()
@@ -64,13 +49,10 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
     if {history.peak for history in histories} == {0.0}:
         moving.text(0.5, 0.55, say("answer.at_rest"), transform=moving.transAxes, fontsize=FONT, ha="center")
     below.set_yticks(range(len(histories)), names, fontsize=SMALL)
-    below.set_ylim(len(histories) - 0.4, -0.6)
-    below.set_ylabel(say("plot.motion.impacts"))
+    below.set(ylim=(len(histories) - 0.4, -0.6), ylabel=say("plot.motion.impacts"))
     alone = all(history.model in SEQUENCE_MODELS for history in histories)
     below.set_xlabel(say(f"plot.from_first.{'impulse' if alone else 'sample'}"))
-    moving.set_ylabel(say("plot.motion.rotation"))
-    moving.set_xlim(first, last)
-    moving.set_ylim(*_limits(histories))
+    moving.set(ylabel=say("plot.motion.rotation"), xlim=(first, last), ylim=_limits(histories))
     moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # without a common power of ten
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)

@@ -68,11 +68,7 @@ def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
-    """Return a body of /summary as a Block; `case` is the number of its restitution, from 1.
-
-    >>> rp.plots.block_of(results["summary"].dataset, "pier")
-    <Block width 1 m, height 4 m, p 1.889 1/s, alpha_c 0.245 rad, C 0.9118>
-    """
+    """Return a body of /summary as a Block; `case` is the number of its restitution, from 1."""
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
     return Block.restored(
@@ -126,15 +122,7 @@ def table_of_pair(
 def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     """Return the impulse sequence of a record [m/s, s], with the spacing used for its half-cycles.
 
-    Raises
-    ------
-    ResultsError
-        If the record has no sequence.
-
-    Examples
-    --------
-    >>> round(float(rp.plots.sequence_of(results, "burst.2").main), 2)
-    1.19
+    Raise ResultsError if the record has no sequence.
     """
     own = tree["summary"].to_dataset().sel(record=record)
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")

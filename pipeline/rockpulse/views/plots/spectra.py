@@ -31,29 +31,15 @@ _NAMED = 12
 
 def rocking_spectrum(
     spectrum: xr.Dataset,
-    ax: Axes | None = None,
+    axes: Axes | None = None,
     bodies: Mapping[str, tuple[float, float]] | None = None,
     note: str = "",
 ) -> Axes:
     """Draw the largest rotation over p and alpha_c, darker for larger rotations and hatched red for overturning.
 
-    Parameters
-    ----------
-    spectrum : xarray.Dataset
-        Result of :func:`rockpulse.rocking_spectrum`.
-    ax : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-    bodies : mapping of str to (float, float), optional
-        p [1/s] and alpha_c [rad] of bodies, by name.
-    note : str
-        Additional sentence for the small print.
-
-    Examples
-    --------
-    >>> rp.plots.rocking_spectrum(rp.rocking_spectrum(record, p=[1.0, 2.0], alpha=[0.1, 0.2])).get_xlabel()
-    'frequency parameter $p$ [1/s]'
+    `bodies` are the p [1/s] and alpha_c [rad] of bodies by name, and `note` is a further sentence for the small print.
     """
-    ax = style.one_axes(ax, height=4.4)
+    ax = style.one_axes(axes, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
     # Darker means larger, also in grey, and rest is white. Overturning is hatched, in a colour not used for rotations.
@@ -84,10 +70,12 @@ def rocking_spectrum(
         ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label=say("answer.unresolved"))
         handles += ax.get_legend_handles_labels()[0]
     handles += body_marks(ax, dict(bodies or {}))
-    ax.set_xlim(_edges(p))
-    ax.set_ylim(_edges(alpha))
-    ax.set_xlabel(style.label(spectrum["p"], symbol="$p$"))
-    ax.set_ylabel(style.label(spectrum["alpha_c"], symbol=r"$\alpha_c$"))
+    ax.set(
+        xlim=_edges(p),
+        ylim=_edges(alpha),
+        xlabel=style.label(spectrum["p"], symbol="$p$"),
+        ylabel=style.label(spectrum["alpha_c"], symbol=r"$\alpha_c$"),
+    )
     size_scale(ax, float(spectrum.attrs["gravity"]))
     style.legend_above(ax, 3, across=True, lift=32.0, handles=handles)
     name, factor = style.plain(spectrum.attrs["record"]), float(spectrum.attrs["scale"])
@@ -148,7 +136,7 @@ _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 
 def overturning_spectra(
     spectra: xr.Dataset,
-    ax: Axes | None = None,
+    axes: Axes | None = None,
     restitution: float | None = None,
     bodies: Mapping[str, tuple[float, float]] | None = None,
     events: Sequence[str] | None = None,
@@ -162,7 +150,7 @@ def overturning_spectra(
     spectra : xarray.Dataset
         `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution) as in /spectra of a results
         file, or over (p, restitution) as returned by :func:`rockpulse.overturning_spectrum`.
-    ax : matplotlib Axes, optional
+    axes : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
     restitution : float, optional
         C of the bodies [-]; the nearest value in the spectra is drawn, by default the largest.
@@ -175,13 +163,8 @@ def overturning_spectra(
         Scale factors of the records for each demand, by its name; the median spectrum at each demand is also drawn.
     gravity : float
         Acceleration of gravity at the bodies [m/s2].
-
-    Examples
-    --------
-    >>> rp.plots.overturning_spectra(site["spectra"].dataset).get_xlabel()
-    'frequency parameter of the blocks $p$ [1/s]'
     """
-    ax = style.one_axes(ax, height=4.4)
+    ax = style.one_axes(axes, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
     grid = several["restitution"].values
     chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
@@ -223,8 +206,8 @@ def overturning_spectra(
     return ax
 
 
-def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw the overturning spectra of an assessment with its bodies, by default at the median C of the bodies."""
+def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float, axes: Axes | None = None) -> Axes:
+    """Draw the overturning spectra of an assessment with its bodies, at a restitution."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
@@ -234,7 +217,8 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
     needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
     return overturning_spectra(
         spectra,
-        restitution=float(summary["restitution"].median()) if restitution is None else restitution,
+        axes,
+        restitution,
         bodies=dict(zip(names, zip(plain["p"].values, plain["alpha_c"].values, strict=True), strict=True)),
         events=[str(event) for event in own["event"].values],
         demands=needed if len(records) > 1 else None,
@@ -259,8 +243,7 @@ def spectrum_axes(
 ) -> int:
     """Format the axes of overturning spectra, mark the bodies, and return the number of legend rows."""
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    ax.set(xscale="log", yscale="log")
     first, last = float(p[0]), float(p[-1])
     drawn = ax.dataLim.intervalx
     if np.all(np.isfinite(drawn)):
@@ -272,8 +255,7 @@ def spectrum_axes(
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
     style.plain_ticks(ax.yaxis)
-    ax.set_xlabel(style.label(p, symbol="$p$"))
-    ax.set_ylabel(say("plot.spectra.effective"))
+    ax.set(xlabel=style.label(p, symbol="$p$"), ylabel=say("plot.spectra.effective"))
     size_scale(ax, gravity)
     style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     return 3 - (-len(handles) // columns)
@@ -312,12 +294,9 @@ def selected_spectra(selection: xr.DataTree, ax: Axes | None = None) -> Axes:
     ax.fill_between(period, *band, color=PALE, zorder=0.5, lw=0, label=say("plot.select.tolerance", **limits))
     ax.plot(period, target, color=BLACK, lw=1.4, ls=DASHED, label=say("plot.select.target"))
     ax.plot(period, found["mean"].values, color=BLUE, lw=1.8, label=say("plot.select.mean"))
-    ax.set_xscale("log")
-    ax.set_xlim(period[0], period[-1])
-    ax.set_ylim(bottom=0.0)
+    ax.set(xscale="log", xlim=(period[0], period[-1]), ylim=(0.0, None))
     style.plain_ticks(ax.xaxis)
-    ax.set_xlabel(say("plot.select.period"))
-    ax.set_ylabel(say("plot.select.acceleration"))
+    ax.set(xlabel=say("plot.select.period"), ylabel=say("plot.select.acceleration"))
     style.legend(ax)
     style.title(ax, f"{style.plain(selection.attrs['title'])}\n{style.plain(found.attrs['target'])}")
     return ax

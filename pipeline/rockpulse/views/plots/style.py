@@ -192,7 +192,7 @@ def _ours(ax: Axes) -> bool:
     return whole_figure(ax).get_label() == _OURS
 
 
-def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
+def one_axes(ax: Axes | None = None, height: float = 3.4) -> Axes:
     """Return the given Axes, or the Axes of a new figure of the given height [in], in the common style."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 

@@ -90,7 +90,7 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
 
 @pytest.mark.sweep
 def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(assessed, changed, first):
-    ax = overturning_map(assessed, block="wall", model="resonance")
+    ax = overturning_map(assessed, block="wall", models=["resonance"])
     assert "upper-bound input" in ax.figure.get_suptitle()
     assert "not a prediction" in small_print(ax)
     assert ax.get_xlabel() == "scale factor on the impulses of the sequence [-]"

@@ -98,9 +98,9 @@ def test_a_sequence_is_drawn_with_its_sizes():
 
 
 def test_blocks_are_drawn_side_by_side_and_peaks_are_bars():
-    figure = block_outlines(Block(width=np.linspace(0.2, 0.5, 12), height=2.0))
-    assert len([ax for ax in figure.axes if ax.get_visible()]) == 8
-    assert [text.get_text() for text in figure.axes[0].texts] == ["2 m", "0.2 m"]
+    panels = block_outlines(Block(width=np.linspace(0.2, 0.5, 12), height=2.0))
+    assert len([ax for ax in panels if ax.get_visible()]) == 8
+    assert [text.get_text() for text in panels[0].texts] == ["2 m", "0.2 m"]
     ax = response(of(np.arange(4), np.array([0.0, 0.4, np.inf, np.nan])))
     heights = {bars.get_label(): [bar.get_height() for bar in bars] for bars in ax.containers}
     assert heights == {"at rest": [0.01], "rocks": [0.4], "overturns": [1.2], "unresolved": [0.01]}

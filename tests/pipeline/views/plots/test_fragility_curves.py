@@ -5,8 +5,13 @@ import pytest
 from drawn import in_legend, labelled, small_print
 from matplotlib.colors import same_color
 
-from rockpulse.views.plots.fragility_curves import fragility, fragility_panels
+from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.style import looks
+
+
+def fragility(tree, measure="velocity_ratio", limit_states=None):
+    """The panel of one measure."""
+    return fragility_panels(tree, "wall", measure, limit_states)[0]
 
 
 def banded(tree, low=0.8, high=1.2):
@@ -19,7 +24,7 @@ def banded(tree, low=0.8, high=1.2):
 
 
 def test_every_limit_state_has_its_curve(fragility_tree):
-    ax = fragility(fragility_tree, block="wall")
+    ax = fragility(fragility_tree)
     own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio")
     words = ["uplift", r"$\theta_{max}/\alpha_c \geq$ 0.4", "overturning"]
     lines = {line.get_label(): line for line in ax.lines}
@@ -39,7 +44,7 @@ def test_every_limit_state_has_its_curve(fragility_tree):
     assert ax.get_xlim() == pytest.approx((level[rising].min(), level[rising].max()))
     assert ax.figure.get_suptitle() == "wall"
     assert "2 records of 1 earthquake" in small_print(ax)
-    ax = fragility(fragility_tree, block="wall", measure="pga", limit_states=["uplift"])
+    ax = fragility(fragility_tree, measure="pga", limit_states=["uplift"])
     own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="pga", limit_state="uplift")
     assert float(own["beta"]) == 0.0
     (line,) = (line for line in ax.lines if line.get_label().startswith("uplift"))
@@ -49,7 +54,7 @@ def test_every_limit_state_has_its_curve(fragility_tree):
 
 @pytest.mark.sweep
 def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(fragility_tree):
-    ax = fragility(fragility_tree, block="wall", limit_states=["overturning"])
+    ax = fragility(fragility_tree, limit_states=["overturning"])
     capacities = fragility_tree["capacities"].to_dataset().sel(block="wall")
     measure = capacities["measure_value"].sel(measure="velocity_ratio")
     value = capacities["factor"].sel(limit_state="overturning") * measure
@@ -58,7 +63,7 @@ def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(frag
     assert points[0].get_ydata() == pytest.approx([0.25, 0.75])
     tree = fragility_tree.copy(deep=True)
     tree["capacities"]["factor"].values[0] = np.inf  # never reaches the state
-    ax = fragility(tree, block="wall", limit_states=["overturning"])
+    ax = fragility(tree, limit_states=["overturning"])
     assert [len(line.get_xdata()) for line in ax.lines if line.get_linestyle() == "None"] == [1]
     tree = fragility_tree.copy(deep=True)
     tree["fragility"]["uplift_acceleration"].values[:] = 3.0
@@ -69,14 +74,14 @@ def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(frag
 
 
 def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
-    ax = fragility(fragility_tree, block="wall")
+    ax = fragility(fragility_tree)
     assert not ax.collections
     assert small_print(ax).count("no band") == 1
     assert "All: no band" in small_print(ax)
     tree = banded(fragility_tree)
     tree["fragility"]["probability_low"].values[:] = 0.02
     tree["fragility"]["probability_high"].values[:] = 0.99
-    ax = fragility(tree, block="wall")
+    ax = fragility(tree)
     assert not ax.collections
     assert "The band of the curve of overturning is not drawn: with so few" in small_print(ax)
 
@@ -86,7 +91,7 @@ def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
 )
 def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
     tree = banded(fragility_tree)
-    ax = fragility(tree, block="wall", limit_states=asked)
+    ax = fragility(tree, limit_states=asked)
     (band,) = ax.collections
     own = tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio", limit_state=expected)
     corners = band.get_paths()[0].vertices
@@ -108,7 +113,7 @@ def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
         probability = tree["fragility"]["probability"].transpose("block", "measure", "limit_state", "point").values
         probability[:] = np.clip(np.linspace(-0.1, 1.1, probability.shape[-1]), 0.0, 1.0)
         probability[:, :, 2, probability.shape[-1] // 2] += above  # overturning
-        ax = fragility(tree, block="wall", limit_states=states)
+        ax = fragility(tree, limit_states=states)
         return words in small_print(ax)
 
     assert said(0.02, ["overturning", "uplift"])
@@ -164,6 +169,6 @@ def test_what_a_curve_lacks_is_said_in_the_legend(fragility_tree):
     copy = fragility_tree.copy(deep=True)
     curves = copy["fragility"].to_dataset()
     copy["fragility"] = type(copy)(curves.assign({name: np.nan * curves[name] for name in ("level", "probability")}))
-    ax = fragility(copy, block="wall")
+    ax = fragility(copy)
     ax.figure.canvas.draw()
     assert ax.figure.get_suptitle() == "wall"

@@ -5,8 +5,8 @@ import pytest
 from drawn import in_legend
 
 from rockpulse import models
-from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.selection import block_of, sequence_of
+from rockpulse.views.plots.site import limit_accelerogram
 
 BLOCK = models.Block(1.0, 3.872984, restitution=0.6, gravity=9.81)
 

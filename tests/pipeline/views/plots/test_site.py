@@ -11,7 +11,7 @@ from rocking.body.limits import RATES
 from rocking.search.capacity import sequence_critical_scale
 from rockpulse.errors import ResultsError
 from rockpulse.models import ImpulseSequence
-from rockpulse.views.plots.site import calibration, site_spectrum
+from rockpulse.views.plots.site import calibration
 
 #: Median and 84 % quantile of the strengths of the usual site: see the tests of the spectrum.
 MEDIAN, DESIGNED = np.sqrt(0.9), 1.3 * (1.4 / 1.3) ** 0.24
@@ -53,7 +53,7 @@ def test_the_limit_accelerogram_of_a_site_is_that_of_the_sequence_of_a_body():
 
 @pytest.fixture(scope="module")
 def spectrum():
-    return site_spectrum(usual_site())
+    return calibration(usual_site())[0]
 
 
 def test_median_and_84_percent_are_drawn_at_the_median_restitution_of_the_bodies(spectrum):
