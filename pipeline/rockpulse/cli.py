@@ -20,7 +20,7 @@ from rockpulse.commands.terminal import (
     file_fault,
     interrupt,
     kernel_messages,
-    tell,
+    warn,
 )
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
@@ -118,7 +118,7 @@ def _run(argv: Sequence[str] | None) -> int:
 
 
 def _ended(why: str, code: int) -> int:
-    tell(f"rockpulse: {why}", sys.stderr)
+    warn(why)
     return code
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.parser import command
-from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
 from rockpulse.commands.shared_options import BATCH, configured, from_records, resolved
+from rockpulse.commands.terminal import batch_options, nothing_written, print_overview, recorded
 from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ import sys
 
 from rockpulse.commands.parser import command
 from rockpulse.commands.shared_options import QUIET, READING, reading_options
-from rockpulse.commands.terminal import progress_bars, tell
+from rockpulse.commands.terminal import progress_bars, tell, warn
 
 #: Width of the list [characters].
 WIDTH = 100
@@ -110,7 +110,7 @@ def convert(args: argparse.Namespace) -> int:
         tell(f"{message}: {failed}" if failed else message, sys.stderr)
         return 1
     if failed:
-        tell(f"rockpulse: {failed}", sys.stderr)
+        warn(failed)
     files = write(records, args.output, args.format, args.overwrite)
     if not args.quiet:
         known = {record.id: record for record in records}

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.parser import command
-from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
 from rockpulse.commands.shared_options import BATCH, COUNT, from_records, resolved
-from rockpulse.commands.terminal import progress_bars, tell
+from rockpulse.commands.terminal import (
+    batch_options,
+    nothing_written,
+    print_overview,
+    progress_bars,
+    recorded,
+    tell,
+    warn,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,7 +53,7 @@ def calibrate(args: argparse.Namespace) -> int:
     except RecordRefused as error:
         first = "; ".join(line.strip().partition("; ")[0] for line in str(error).splitlines())
         why = first if args.quiet else f"{error}\nrockpulse"
-        tell(f"rockpulse: {why}: nothing was written", sys.stderr)
+        warn(f"{why}: nothing was written")
         return 1
     return print_overview(load_tree(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
 
@@ -128,7 +134,7 @@ def select(args: argparse.Namespace) -> int:
     if args.quiet:
         outside = "" if tree["selection"].attrs["compatible"] else "the mean spectrum is not within the tolerance"
         for words in filter(None, (failed, outside)):
-            tell(f"rockpulse: {words}", sys.stderr)
+            warn(words)
     else:
         unused = rows_not_used(failure_rows(tree), more_in="")
         written = f"table: {table}\npicture: {picture}"

@@ -4,18 +4,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from assess_command import QUICK, assess_words
 from results_tree import results_bytes
 
 from rockpulse.storage.hdf5 import results_file
-
-#: One model, without factors, spectra or probability.
-QUICK = """[models]
-use = ["linear"]
-[search]
-models = []
-[uncertainty]
-probability = false
-"""
 
 
 @pytest.fixture(scope="module")
@@ -42,3 +34,9 @@ def quick(tmp_path_factory):
     path = tmp_path_factory.mktemp("quick") / "quick.toml"
     path.write_text(QUICK)
     return path
+
+
+@pytest.fixture
+def assess(run):
+    """Assesses files on two bodies to an exit code, and returns what is printed."""
+    return lambda *arguments, code=0: run(*assess_words(*arguments), code=code)

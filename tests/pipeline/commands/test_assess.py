@@ -6,7 +6,7 @@ from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
 import pytest
-from assess_command import DT, STRONG, TIME, assess, configuration, values, write_at2
+from assess_command import DT, STRONG, TIME, assess_words, configuration, values, write_at2
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -29,7 +29,7 @@ def told(folder, tmp_path_factory):
     """The results of two good records, and what was printed on the way."""
     target = tmp_path_factory.mktemp("results") / "results.h5"
     with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
-        assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target) == 0
+        assert main(assess_words(folder / "strong.AT2", folder / "weak.AT2", "-o", target)) == 0
     return target, out.getvalue(), err.getvalue()
 
 
@@ -77,10 +77,9 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
 
 
 @pytest.mark.sweep
-def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
+def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, assess):
     target = tmp_path / "results.h5"
-    assert assess(folder, "-o", target, "--config", quick) == 1
-    out = capsys.readouterr().out
+    out = assess(folder, "-o", target, "--config", quick, code=1).out
     assert "failed: 1" in out
     assert re.search(r"cut\.AT2:\d+: ", out)
     assert "not records: notes.txt" in out
@@ -89,84 +88,79 @@ def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_asses
 
 
 @pytest.mark.sweep
-def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
+def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, assess):
     target = tmp_path / "results.h5"
-    assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet", "--config", quick) == 1
-    captured = capsys.readouterr()
+    captured = assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet", "--config", quick, code=1)
     assert captured.out == ""
     assert captured.err == "rockpulse: 1 of 2 files used (1 rejected): no such file or folder (absent.AT2).\n"
     assert len(values(target, "record")) == 1
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "cut.AT2"])
-def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, capsys, name):
-    assert assess(folder / name, "-o", tmp_path / "results.h5") == 1
-    captured = capsys.readouterr()
+def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, name, assess):
+    captured = assess(folder / name, "-o", tmp_path / "results.h5", code=1)
     assert "no record could be assessed; nothing was written" in captured.err
     assert name in captured.err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_single_vertical_channel_is_why_nothing_is_written(tmp_path, capsys):
+def test_a_single_vertical_channel_is_why_nothing_is_written(tmp_path, assess):
     path = tmp_path / "hvps_UP.dat"
     path.write_text("".join(f"{0.01 * index:.2f} {np.sin(index):.4f}\n" for index in range(200)), encoding="ascii")
-    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 1
-    assert "nothing was written: hvps_UP.UP: vertical channel; it was read but not assessed" in capsys.readouterr().err
+    said = assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", code=1).err
+    assert "nothing was written: hvps_UP.UP: vertical channel; it was read but not assessed" in said
 
 
 @pytest.mark.sweep
-def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, capsys):
+def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, assess):
     path = tmp_path / "columns.csv"
     np.savetxt(
         path, np.column_stack([TIME, 9.80665 * STRONG]), fmt="%.6f", delimiter=",", header="time,acc", comments=""
     )
-    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", "--config", quick) == 0
+    out = assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", "--config", quick).out
     peak = np.abs(STRONG - STRONG.mean()).max()
-    shown = float(re.search(r"^  \S*columns\S* +([0-9.]+) ", capsys.readouterr().out, re.M)[1])
+    shown = float(re.search(r"^  \S*columns\S* +([0-9.]+) ", out, re.M)[1])
     assert shown == pytest.approx(peak, abs=0.005)
 
 
 @pytest.mark.sweep
-def test_one_column_is_read_once_unit_and_interval_are_named(quick, tmp_path, capsys):
+def test_one_column_is_read_once_unit_and_interval_are_named(quick, tmp_path, assess):
     path = tmp_path / "column.txt"
     np.savetxt(path, STRONG, fmt="%.6f")
     target = tmp_path / "results.h5"
-    assert assess(path, "-o", target, "--units", "g") == 1
-    assert "option dt" in capsys.readouterr().err
+    assert "option dt" in assess(path, "-o", target, "--units", "g", code=1).err
     given = ["-o", target, "--quiet", "--config"]
-    assert assess(path, *given, quick, "--units", "g", "--dt", f"{DT}") == 0
+    assess(path, *given, quick, "--units", "g", "--dt", f"{DT}")
     assert values(target, "dt") == [DT]
     config = tmp_path / "site.toml"
     config.write_text(f"[records]\nunits = 'g'\ndt = {2 * DT}\n{quick.read_text()}")
-    assert assess(path, *given, config, "--overwrite") == 0
+    assess(path, *given, config, "--overwrite")
     assert values(target, "dt") == [2 * DT]
-    assert assess(path, *given, config, "--dt", DT, "--overwrite") == 0
+    assess(path, *given, config, "--dt", DT, "--overwrite")
     assert values(target, "dt") == [DT]
     assert f"\ndt = {DT}\n" in configuration(target)
 
 
-def test_overwrite_spares_the_record_and_the_configuration(tmp_path, capsys):
+def test_overwrite_spares_the_record_and_the_configuration(tmp_path, assess):
     record = write_at2(tmp_path / "strong.AT2", STRONG)
     config = tmp_path / "site.toml"
     config.write_text("[models]\nuse = ['resonance']\n")
     for target in (record, config):
         before = target.read_bytes()
-        assert assess(record, "--config", config, "-o", target, "--overwrite") == 2
-        assert "remove it by hand" in capsys.readouterr().err
+        assert "remove it by hand" in assess(record, "--config", config, "-o", target, "--overwrite", code=2).err
         assert target.read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["site.toml", "strong.AT2"]
 
 
-def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path, capsys):
+def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path, assess):
     target = tmp_path / "results.h5"
     target.write_bytes(b"old")
-    assert assess(tmp_path / "absent.AT2", "-o", target) == 2
-    assert "the file exists" in capsys.readouterr().err
+    assert "the file exists" in assess(tmp_path / "absent.AT2", "-o", target, code=2).err
     assert target.read_bytes() == b"old"
 
 
 @pytest.mark.sweep
-def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
+def test_the_configuration_names_records_and_blocks(folder, tmp_path, run):
     config = tmp_path / "site.toml"
     config.write_text(
         f"[records]\npaths = ['{folder}/strong.AT2']\n[models]\nuse = ['nonlinear', 'sequence']\n"
@@ -174,11 +168,10 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
         "[[block]]\nname = 'column'\nwidth = 0.5\nheight = 4.0\nrestitution = [0.8, 0.9]\n"
     )
     target = tmp_path / "results.h5"
-    assert main(["assess", "--config", str(config), "--block", "pier=1.0x3.0", "-o", str(target)]) == 0
+    out = run("assess", "--config", config, "--block", "pier=1.0x3.0", "-o", target).out
     summary = rp.load(target)["summary"]
     assert summary["model"].values.tolist() == ["sequence", "nonlinear"]
     assert summary["restitution"].sel(block="column").values.tolist() == [0.8, 0.9]
     assert summary["outcome"].dims == ("record", "block", "case", "model")
-    out = capsys.readouterr().out
     assert len(re.findall(r"^  column, C = 0\.[89]00 ", out, re.M)) == 2
     assert "resonance" not in out

@@ -2,29 +2,18 @@
 
 import numpy as np
 import pytest
+from assess_command import QUICK
 from record_writers import knet, pulse
 
 import rockpulse as rp
 from rockpulse.cli import main
 
-BODIES = """
-[models]
-use = ["nonlinear"]
-[search]
-models = []
-[uncertainty]
-probability = false
-[[block]]
-name = "pinnacle"
-width = 0.45
-height = 1.8
-"""
-
 
 def run(tmp_path, path, records):
     config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text(f"[records]\n{records}\n{BODIES}")
-    return main(["assess", str(path), "--config", str(config), "-o", str(target), "--workers", "1"]), target
+    config.write_text(f"[records]\n{records}\n{QUICK.replace('linear', 'nonlinear')}")
+    given = ["--block", "pinnacle=0.45x1.8", "-o", str(target), "--workers", "1"]
+    return main(["assess", str(path), "--config", str(config), *given]), target
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from assess_command import QUICK
 from record_writers import knet, pulse
 from record_writers.geonet import geonet
 
@@ -9,19 +10,6 @@ import rockpulse as rp
 from rockpulse.cli import main
 
 COUNT = 200
-CONFIG = """
-[models]
-use = ["linear"]
-[search]
-models = []
-[uncertainty]
-probability = false
-[[block]]
-name = "wall"
-width = 0.3
-height = 3.0
-[records]
-"""
 WAVES = [pulse(COUNT, peak) for peak in (0.3, 0.2, 0.1)]
 RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1", "AKT0139608110312.{}2"
 
@@ -44,8 +32,9 @@ def folder(tmp_path_factory):
 def assess(folder, *lines):
     """Exit code, and the tree of an assessment with some lines of section [records]."""
     config, output = folder.parent / "site.toml", folder.parent / "results.h5"
-    config.write_text(CONFIG + "\n".join(lines))
-    code = main(["assess", str(folder), "--config", str(config), "-o", str(output), "--overwrite", "--quiet"])
+    config.write_text("\n".join(["[records]", *lines, QUICK]))
+    given = ["--block", "wall=0.3x3.0", "-o", str(output), "--overwrite", "--quiet"]
+    code = main(["assess", str(folder), "--config", str(config), *given])
     return code, rp.load(output)
 
 

@@ -103,12 +103,12 @@ def test_files_that_are_shown_whole_take_no_filters(golden, kind, capsys):
     assert said in capsys.readouterr().err
 
 
-def test_an_unfinished_run_is_shown_with_its_progress(tmp_path, capsys, run):
+def test_an_unfinished_run_is_shown_with_its_progress(tmp_path, run):
     target = tmp_path / "results.h5"
     with Journal.open(target) as journal:
         journal.add(Done("a", "f", (b"x",)))
         journal.add(Done("b", "g", (b"y",)))
-        run("inspect", target, code=2)
-    assert "is not finished: 2 records done, 0 of them with a failure" in capsys.readouterr().err
+        said = run("inspect", target, code=2).err
+    assert "is not finished: 2 records done, 0 of them with a failure" in said
     journal.path.unlink()
     assert "no such file" in run("inspect", target, code=2).err

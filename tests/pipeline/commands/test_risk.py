@@ -70,7 +70,7 @@ def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, run):
 
 
 @pytest.mark.slow
-def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, capsys, run):
+def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, run):
     (tmp_path / "site.toml").write_text('[models]\nuse = ["nonlinear"]\n[uncertainty]\nspectrum = "all"\n')
     results = tmp_path / "results.h5"
     arguments = [str(golden.records / "burst1.AT2"), "--config", str(tmp_path / "site.toml"), "--block", "any=0.4x3"]
@@ -78,7 +78,6 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     bodies, table, curve = (tmp_path / name for name in ("bodies.csv", "risk.csv", "curve.csv"))
     bodies.write_text("name,width [m],height [m]\n" + "".join(f"b{k},{0.3 + 0.02 * k},3\n" for k in range(15)))
     curve.write_text("pga [m/s2],rate\n0.1,0.1\n1,1e-3\n10,1e-5\n")
-    capsys.readouterr()
     arguments = ["risk", str(results), "--bodies", str(bodies), "--hazard", str(curve), "-o", str(table)]
     shown = run(*arguments).out
     assert "Frequency of overturning, 15 bodies" in shown

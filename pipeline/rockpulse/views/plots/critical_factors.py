@@ -57,7 +57,11 @@ def overturning_map(
     searched = not is_full(model) or bool(summary["safety_factor"].sel(model=model).notnull().any())
     name = "safety_factor" if searched else "factor_10"
     wanted = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
-    factors, resolved, steps, inside, half, *ends = (_of_rows(summary, one, records, blocks, model) for one in wanted)
+    own, unknown = summary.sel(record=records, block=blocks, model=model), np.full(len(rows), np.nan)
+    factors, resolved, steps, inside, half, *ends = (
+        own[one].transpose("record", "block", ...).values.ravel().astype(float) if one in own else unknown
+        for one in wanted
+    )
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no scale factors in these results; {_SEARCH}")
     kept, merged, names, notes = factor_rows.drawn_rows(summary, rows, factors, most)
@@ -140,17 +144,6 @@ def critical_scale(
     notes += [say("plot.scale.probable", model=model) for model in labels]
     style.caption(ax, " ".join([*notes, *factor_rows.tick_notes(needed)]))
     return ax
-
-
-def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
-    """Return the values of a variable, flattened in the order record, body, restitution; NaN if it is missing."""
-    count = len(records) * len(blocks) * summary.sizes.get("case", 1)
-    if name not in summary:
-        return np.full(count, np.nan)
-    own = summary[name].sel(record=records, block=blocks)
-    own = own.sel(model=model) if "model" in own.dims else own
-    order = ("record", "block", *(dim for dim in own.dims if dim == "case"))
-    return np.asarray(own.transpose(*order).values.ravel(), dtype=float)
 
 
 def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:

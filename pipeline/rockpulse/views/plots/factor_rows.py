@@ -24,7 +24,7 @@ LISTED = 3
 
 
 def drawn_rows(
-    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
+    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
     """Return the indices of the drawn rows, the rows combined in each merged row, the names of all rows, and notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]

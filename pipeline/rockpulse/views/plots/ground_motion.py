@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.pictures import thinned
 from rockpulse.errors import RecordRefused, ResultsError
-from rockpulse.record.half_wave import STRONG, VISIBLE, HalfWaves, half_waves
-from rockpulse.record.intensity import IntensePhase, intense_phase
+from rockpulse.record.half_wave import STRONG, VISIBLE, half_waves
+from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
 from rockpulse.sequences.estimators import record_sequence
 from rockpulse.storage.variables import real
@@ -45,31 +44,19 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     return motion.assign_attrs(record=record, words=Known(summary, record=record).described)
 
 
-def motion_of_record(
-    record: Record,
-    waves: HalfWaves | None = None,
-    phase: IntensePhase | None = None,
-    sequence: ImpulseSequence | None = None,
-) -> xr.Dataset:
+def motion_of_record(record: Record) -> xr.Dataset:
     """Return the ground motion of a conditioned record as the dataset from which pictures are drawn.
 
     It has the variables `acceleration`, `time` (sample), `impulse`, `centroid`, `start`, `end`, `peak` (wave), and the
     scalars `dt`, `intense_start`, `intense_end`, `main_impulse`, `secondary_impulse`.
     """
-    waves = half_waves(record) if waves is None else waves
-    phase = intense_phase(record) if phase is None else phase
-    if sequence is None:
-        try:
-            sequence = record_sequence(waves, phase=phase)
-        except RecordRefused:
-            sequence = None
-    scalars = {
-        "dt": record.dt,
-        "intense_start": phase.start,
-        "intense_end": phase.end,
-        "main_impulse": np.nan if sequence is None else sequence.main,
-        "secondary_impulse": np.nan if sequence is None else sequence.secondary,
-    }
+    waves, phase = half_waves(record), intense_phase(record)
+    scalars: dict[str, Any] = {"dt": record.dt, "intense_start": phase.start, "intense_end": phase.end}
+    try:
+        sequence = record_sequence(waves, phase=phase)
+        scalars |= {"main_impulse": sequence.main, "secondary_impulse": sequence.secondary}
+    except RecordRefused:  # the phase contains too few half-waves
+        scalars |= {"main_impulse": np.nan, "secondary_impulse": np.nan}
     motion = xr.Dataset(
         {
             "acceleration": _ACCELERATION.variable(record.acceleration),

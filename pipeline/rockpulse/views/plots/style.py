@@ -54,7 +54,7 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
     Equal figures give equal bytes, without a time stamp and, in SVG, without random ids. Text remains text in SVG and
     PDF.
 
-    >>> rp.plots.picture_bytes(rp.plots.bodies(results), "png")[1:4]
+    >>> rp.plots.picture_bytes(rp.plots.draw(results, "bodies"), "png")[1:4]
     b'PNG'
     """
     buffer = BytesIO()
@@ -83,7 +83,7 @@ def svg(figure: Figure, name: str | None = None) -> str:
 
     Examples
     --------
-    >>> rp.plots.svg(rp.plots.bodies(results), "wall").count('id="wall')
+    >>> rp.plots.svg(rp.plots.draw(results, "bodies"), "wall").count('id="wall')
     22
     """
     text = picture_bytes(figure, "svg").decode("utf-8")
@@ -172,13 +172,6 @@ def looks(names: Sequence[str]) -> list[Look]:
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
-def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
-    """Make an empty figure of the given size [in] that opens no window."""
-    figure = NotebookFigure(figsize=(width, height), layout="constrained")
-    figure.set_label(_OURS)
-    return figure
-
-
 def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
     """Return the figure that contains the given Axes, or the given figure itself."""
     if isinstance(what, Figure):
@@ -192,25 +185,6 @@ def _ours(ax: Axes) -> bool:
     return whole_figure(ax).get_label() == _OURS
 
 
-def one_axes(ax: Axes | None = None, height: float = 3.4) -> Axes:
-    """Return the given Axes, or the Axes of a new figure of the given height [in], in the common style."""
-    return dressed(figure_of(height=height).subplots() if ax is None else ax)
-
-
-def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """Return the given Axes as an array, or Axes of a new figure; `options` are passed to `Figure.subplots`."""
-    if axes is None:
-        panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
-    else:
-        panels = np.asarray(axes, dtype=object)
-        if panels.size != rows * columns:
-            raise ValueError(f"axes: expected an array of {rows} x {columns} Axes, got {panels.size}")
-        panels = panels.reshape(rows, columns)
-    for ax in panels.flat:
-        dressed(ax)
-    return panels
-
-
 class TickNumerals(ScalarFormatter):
     """A tick formatter with the decimal sign of the current language."""
 
@@ -219,19 +193,36 @@ class TickNumerals(ScalarFormatter):
         return in_numerals(super().__call__(x, pos))
 
 
-def dressed(ax: Axes) -> Axes:
-    """Apply the common style to Axes, and return them."""
-    ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.spines[["left", "bottom"]].set_linewidth(0.6)
-    ax.grid(color=PALE, lw=0.5)
-    ax.set_axisbelow(True)
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.label.set_fontsize(FONT)
-        axis.get_offset_text().set_fontsize(SMALL)
-        if language() != "en":
-            axis.set_major_formatter(TickNumerals())
-    return ax
+def one_axes(ax: Axes | None = None, height: float = 3.4) -> Axes:
+    """Return the given Axes, or the Axes of a new figure of the given height [in], in the common style."""
+    found: Axes = several_axes(ax, 1, height=height)[0, 0]
+    return found
+
+
+def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
+    """Return the given Axes, or those of a new figure without a window, as an array in the common style.
+
+    `height` is in inches; `options` are passed to `Figure.subplots`.
+    """
+    if axes is None:
+        figure = NotebookFigure(figsize=(WIDTH, height), layout="constrained")
+        figure.set_label(_OURS)
+        axes = figure.subplots(rows, columns, **options)
+    panels = np.asarray(axes, dtype=object)
+    if panels.size != rows * columns:
+        raise ValueError(f"axes: expected an array of {rows} x {columns} Axes, got {panels.size}")
+    for ax in panels.flat:
+        ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
+        ax.spines[["top", "right"]].set_visible(False)
+        ax.spines[["left", "bottom"]].set_linewidth(0.6)
+        ax.grid(color=PALE, lw=0.5)
+        ax.set_axisbelow(True)
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.label.set_fontsize(FONT)
+            axis.get_offset_text().set_fontsize(SMALL)
+            if language() != "en":
+                axis.set_major_formatter(TickNumerals())
+    return panels.reshape(rows, columns)
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
@@ -258,10 +249,10 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
     legend(ax, ncols=ncols, frameon=False, **options)
 
 
-def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
+def title(ax: Axes, words: str, rows: int = 0) -> None:
     """Write the title of the figure above `rows` rows of a legend; on given Axes, write it as the title of the Axes."""
     if words and _ours(ax):
-        whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
+        whole_figure(ax).suptitle(wrapped(words, 74), x=0.01, ha="left", fontsize=FONT)
     else:
         panel_title(ax, "\n".join(line for line in (words, ax.get_title(loc="left")) if line), rows)
 
@@ -271,15 +262,16 @@ def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
-def caption(ax: Axes, words: str, width: int = 106) -> None:
+def caption(ax: Axes, words: str) -> None:
     """Write small print below the lowest Axes of the figure."""
+    words = wrapped(words, 106)
     options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
     if words and _ours(ax):
-        whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
+        whole_figure(ax).supxlabel(words, x=0.01, ha="left", **options)
     elif words:  # a figure made by the caller: its labels are kept, and it may contain other pictures
         options |= {"va": "top", "in_layout": False}
         below = ("axes fraction", ax.xaxis.label)
-        ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
+        ax.annotate(words, (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
 def notes(**held: bool) -> list[str]:

@@ -16,7 +16,6 @@ from PIL import Image
 from rockpulse.views.plots import style
 from rockpulse.views.plots.style import (
     caption,
-    figure_of,
     legend_above,
     one_axes,
     panel_title,
@@ -72,7 +71,7 @@ def test_any_number_of_svgs_stand_in_a_page():
     assert len(references) > 5
     assert set(references) <= set(ids)
     with pytest.raises(ValueError, match="expected a letter"):
-        svg(figure_of(height=0.5), "1 x")
+        svg(one_axes(height=0.5).figure, "1 x")
 
 
 def test_no_window_is_touched_and_nothing_is_kept_of_a_picture():
@@ -100,10 +99,9 @@ def test_titles_and_small_print_of_somebody_elses_figure_stay():
 
 
 def test_a_notebook_is_given_the_picture_and_its_width():
-    data, told = figure_of(height=0.5)._repr_png_()
+    data, told = one_axes(height=0.5).figure._repr_png_()
     assert Image.open(io.BytesIO(data)).width == 1260  # 200 dots per inch
     assert told == {"width": 630}
-    assert figure_of(width=2.0, height=0.5)._repr_png_()[1]["width"] == 200
 
 
 def test_mathematics_is_not_broken_and_ticks_have_the_decimal_sign_of_the_language():
