@@ -39,13 +39,6 @@ def text_of(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def _shown(word: str) -> str:
-    """Return the name of a choice: the title of a measure, the unit itself, or a word in the language of the page."""
-    if word in HAZARD_UNITS:
-        return word
-    return MEASURES[word].title if word in MEASURES else say(f"app.word.{word}")
-
-
 class Fields:
     """The inputs of one section: a change is stored in `values` by its TOML key; then `changed` is called."""
 
@@ -64,7 +57,10 @@ class Fields:
             if "bool" in str(item.type):
                 made: Any = ui.checkbox(label, value=bool(given), on_change=self._changing(name, lambda value: value))
             elif allowed.words and "float" not in str(item.type):
-                options = {word: _shown(word) for word in allowed.words}
+                measures = {word: MEASURES[word].title for word in allowed.words if word in MEASURES}
+                units = {word: word for word in allowed.words if word in HAZARD_UNITS}
+                named = measures | units
+                options = {word: named.get(word) or say(f"app.word.{word}") for word in allowed.words}
                 shown = item.default if given is None else given
                 made = ui.select(options, label=label, value=shown, on_change=self._changing(name, lambda value: value))
             else:

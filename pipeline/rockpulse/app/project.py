@@ -12,6 +12,7 @@ from threading import Lock
 from typing import Any, Literal, TypeAlias
 
 from rockpulse.app.child import Command
+from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.body_table import read_bodies, unused_columns
 from rockpulse.config.configuration import (
     Config,
@@ -25,7 +26,6 @@ from rockpulse.config.configuration import (
 from rockpulse.config.study_settings import HazardSettings, SelectionSettings
 from rockpulse.errors import ConfigError, Failure, RockpulseError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
-from rockpulse.option import Section
 from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
@@ -271,7 +271,10 @@ class Project:
         known = {row.get("name") for row in self.several("block")}
         if twice := [body.name for body in bodies if body.name in known]:
             raise ConfigError(f'[[block]] name: "{twice[0]}" is given 2 times; names must differ')
-        self.several("block").extend(without_defaults(body) for body in bodies)
+        defaults = {item.name: item.default for item in fields(BlockSettings)}
+        for body in bodies:
+            values = section_values(body).items()
+            self.several("block").append({key: value for key, value in values if value != defaults.get(key)})
         self.save()
         return unused_columns(name, unused)
 
@@ -351,16 +354,8 @@ def _basis(config: Config) -> Config:
     return replace(config, records=records, hazard=HazardSettings(), selection=SelectionSettings())
 
 
-def without_defaults(section: Section) -> dict[str, Any]:
-    """Return the values of a section that differ from their defaults, by TOML key."""
-    defaults = {item.name: item.default for item in fields(section)}
-    return {key: value for key, value in section_values(section).items() if value != defaults.get(key)}
-
-
 def body_error(values: dict[str, Any]) -> ConfigError | None:
     """Return the error in the values of a body; None if they are correct."""
-    from rockpulse.config.block_settings import BlockSettings
-
     try:
         section_of(BlockSettings, values).block()
     except ConfigError as error:

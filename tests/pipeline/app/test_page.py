@@ -175,10 +175,7 @@ def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_pat
     with served(folder) as page:
         window = Window(browser, page).open()
         window.says("records", "5 channels, 5 earthquakes")
-        opened = (
-            "document.querySelectorAll('#site .q-expansion-item__container > .q-item').forEach((one) => one.click())"
-        )
-        browser.execute_script(opened)
+        browser.execute_script(OPENED)
         window.says("site", "Hazard curve: CSV")
         window.find("#site input[type=file]")[0].send_keys(str(tmp_path / "curve.csv"))
         window.says("site", "Remove: hazard.csv")

@@ -145,24 +145,11 @@ def overturning_spectra(
 ) -> Axes:
     """Draw overturning spectra S(p) at one restitution; a record overturns the bodies below its curve.
 
-    Parameters
-    ----------
-    spectra : xarray.Dataset
-        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution) as in /spectra of a results
-        file, or over (p, restitution) as returned by :func:`rockpulse.overturning_spectrum`.
-    axes : matplotlib Axes, optional
-        Axes to draw on; by default a new figure.
-    restitution : float, optional
-        C of the bodies [-]; the nearest value in the spectra is drawn, by default the largest.
-    bodies : mapping of str to (float, float), optional
-        p [1/s] and alpha_c [rad] of bodies, by name.
-    events : sequence of str, optional
-        The earthquake of each record, for equal weights of earthquakes in the quantiles; by default records have equal
-        weights.
-    demands : mapping of str to (records,) ndarray, optional
-        Scale factors of the records for each demand, by its name; the median spectrum at each demand is also drawn.
-    gravity : float
-        Acceleration of gravity at the bodies [m/s2].
+    `spectra` has `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution) or (p, restitution);
+    the values at the restitution nearest to the given one are drawn, by default at the largest. `bodies` are the
+    p [1/s] and alpha_c [rad] of bodies by name. `events` are the earthquakes of the records, which then have equal
+    weights in the quantiles; by default the records have. `demands` are the scale factors of the records for each
+    demand, for the median at it. `gravity` is in m/s2.
     """
     ax = style.one_axes(axes, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
