@@ -60,11 +60,10 @@ def test_the_first_sample_is_on_the_day_nearest_to_the_earthquake(write, date, o
 
 
 def test_local_time_and_a_wrong_clock_are_no_start_time(write):
-    record = read(write(asa(TABLE, start_key="HORA DE LA PRIMERA MUESTRA (LOCAL)")))[0]
-    assert (record.start_time, "does not say that" in record.warnings[0]) == (None, True)
-    record = read(write(asa(TABLE, quality="Registro digital completo sin tiempo absoluto")))[0]
-    assert record.start_time is None
-    assert [warning[:20] for warning in record.warnings] == ["the clock of the rec", "quality of the recor"]
+    local = read(write(asa(TABLE, start_key="HORA DE LA PRIMERA MUESTRA (LOCAL)")))[0]
+    wrong = read(write(asa(TABLE, quality="Registro digital completo sin tiempo absoluto")))[0]
+    assert (local.start_time, wrong.start_time, "does not say that" in local.warnings[0]) == (None, None, True)
+    assert [warning[:20] for warning in wrong.warnings] == ["the clock of the rec", "quality of the recor"]
 
 
 @pytest.mark.parametrize(

@@ -92,12 +92,7 @@ def test_gains_that_the_header_confirms_or_does_not_question(write, reals):
 
 @pytest.mark.parametrize(
     ("arguments", "channel"),
-    [
-        ({"component": "", "azimuth": 75}, "1"),
-        ({"number": 7}, "360"),
-        ({"number": 7, "site": 10}, "7"),
-        ({"number": 7, "place": "Courtyard"}, "7"),
-    ],
+    [({"component": "", "azimuth": 75}, "1"), ({"number": 7}, "360"), ({"number": 7, "site": 10}, "7")],
 )
 def test_a_channel_without_a_code_of_seed(write, arguments, channel):
     (record,) = read(write(cosmos(pulse(), comments=["none"], **arguments)))

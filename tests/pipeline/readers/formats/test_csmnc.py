@@ -25,6 +25,9 @@ def test_a_channel(write, mark, field):
     assert (record.station, record.id, record.warnings) == ("051XXX", "test.EW", ())
     assert record.header_peak == pytest.approx(9.5, rel=1e-5)
     assert read(write(csmnc(VALUES, kind="CORRECTED ACCELERATION")))[0].processed is True
+    points = ("GROUND", "FREE FIELD", "ROOF", "")
+    found = [read(write(csmnc(VALUES[:9], point=point)))[0].orientation for point in points]
+    assert found == ["horizontal", "horizontal", "structural", "horizontal"]
 
 
 def test_the_time_of_the_earthquake_is_in_beijing_and_no_start_time(write):
@@ -56,14 +59,6 @@ def test_the_component_is_that_of_the_header_else_of_the_name(write, component, 
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
     assert bool(record.warnings) is noted
     assert record.channel == (record.component or "1")
-
-
-@pytest.mark.parametrize(
-    ("point", "structural"), [("GROUND", False), ("FREE FIELD", False), ("ROOF", True), ("", False)]
-)
-def test_the_observing_point(write, point, structural):
-    (record,) = read(write(csmnc(VALUES, point=point)))
-    assert (record.orientation == "structural") is structural
 
 
 def test_rows_behind_a_last_row_that_is_short(write):

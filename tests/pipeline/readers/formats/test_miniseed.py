@@ -96,15 +96,14 @@ def test_counts_are_divided_by_the_sensitivity(tmp_path):
     assert record.station_name == "Town Hall"
     assert record.start_time == datetime(2020, 1, 2, 3, 4, 5, 500000, tzinfo=UTC)
     assert (record.orientation, record.azimuth, record.processed) == ("horizontal", 90.0, False)
+    assert record.sensor_depth == 0.0
 
 
 def test_the_depth_of_the_sensor_is_that_of_the_station_xml(tmp_path):
     write_station_xml(tmp_path, epoch())
-    path = write_miniseed(tmp_path, trace())
-    assert read(path)[0].sensor_depth == 0.0
     metadata = tmp_path / "XX.ABC.xml"
     metadata.write_text(re.sub(r"(<Depth[^>]*>)0\.0<", r"\g<1>120.0<", metadata.read_text()))
-    (record,) = read(path)
+    (record,) = read(write_miniseed(tmp_path, trace()))
     assert record.sensor_depth == 120.0
     assert record.warnings == ("the sensor lies 120 m below the ground: motion at depth, not at the ground surface",)
 

@@ -97,7 +97,7 @@ UNEVEN = [1.0, 5.0, 50.0, 7.0, -3.0, -20.0, -2.0, 0.5, 0.0, 3.0, 1.0, -1.0, 0.0,
         ({29: 0.28}, ["the header states the peak at 0.28 s, .* the samples have it at 0.04 s"]),
         ({31: 0.3}, ["the header states the peak at 0.3 s, .* the samples have it at 0.1 s"]),
         ({29: 0.0, 30: 0.0, 31: 9.0, 32: 0.0}, []),  # nobody has filled them in
-        ({29: 1.7e38, 30: 1.7e38, 31: 1.7e38, 32: 1.7e38}, []),
+        (dict.fromkeys((29, 30, 31, 32), 1.7e38), []),
     ],
 )
 def test_the_largest_and_the_least_value_are_held_against_the_samples(write, facts, told):
