@@ -193,24 +193,18 @@ def _named(path: Path) -> Iterator[None]:
         raise OSError(fault.errno, fault.strerror or str(fault), str(path)) from fault
 
 
-class FileSet:
+class FileSet(ExitStack):
     """Files that are first written under temporary names; `commit` moves all of them to their targets."""
 
     def __init__(self) -> None:
-        self._parts = ExitStack()
+        super().__init__()
         self._moves: list[tuple[Path, Path, Path]] = []
-
-    def __enter__(self) -> FileSet:
-        return self
-
-    def __exit__(self, *fault: object) -> None:
-        self._parts.close()
 
     def part(self, target: Path) -> Path:
         """Return the temporary path at which to write the content of a file."""
         place = Path(os.path.realpath(target))
         part = _hidden(place)
-        self._parts.callback(part.unlink, missing_ok=True)
+        self.callback(part.unlink, missing_ok=True)
         self._moves.append((target, part, place))
         return part
 

@@ -111,9 +111,9 @@ def text(default: str | None = "") -> Any:
     return key(default, KeyType("a text", lambda value: isinstance(value, str), str))
 
 
-def texts(default: tuple[str, ...] = ()) -> Any:
-    """Declare a key that accepts a list of texts."""
-    return key(default, KeyType("a list of texts", _is_texts, tuple))
+def texts() -> Any:
+    """Declare a key that accepts a list of texts, by default an empty one."""
+    return key((), KeyType("a list of texts", _is_texts, tuple))
 
 
 def boolean(default: bool) -> Any:

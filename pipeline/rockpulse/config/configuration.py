@@ -329,18 +329,18 @@ def section_of(cls: type[Section], values: Any) -> Any:
         if item.default is dataclasses.MISSING and key not in values:
             found = f"found only {', '.join(values)}" if values else "found no keys"
             raise ConfigError(f"{cls.heading} {key}: this key is required, {found}")
-    return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
+    given = {}
+    for key, item in known.items():
+        if key in values:
+            inner = item.metadata.get("entries")
+            given[item.name] = values[key] if inner is None else _sections(inner, values, key, key)
+    return cls(**given)
 
 
 def toml_key(item: dataclasses.Field[Any]) -> str:
     """Return the TOML key of a field; for a nested section, "file" in the heading [[records.file]]."""
     cls = item.metadata.get("entries")
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
-
-
-def _given(item: dataclasses.Field[Any], key: str, value: Any) -> Any:
-    cls = item.metadata.get("entries")
-    return value if cls is None else _sections(cls, {key: value}, key, key)
 
 
 def section_values(section: Section) -> dict[str, Any]:

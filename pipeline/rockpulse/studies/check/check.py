@@ -111,8 +111,8 @@ def _checked(body: Mechanism, assessed: Mechanism, rotations: Rotations, limit_s
 
 
 #: Settings in which checked and assessed bodies may differ, as the codes or the time histories do not use them.
-NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size", "elastic_modulus"}
-NOT_SHARED.add("kappa")
+NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
+NOT_SHARED |= {"elastic_modulus", "kappa"}
 UNLIMITED = "a tie has no ultimate elongation: its displacement at break is unknown, and d_0 is computed without ties"
 #: The code that uses the rotations of the results, and the code that is checked only if it is named.
 RECORDS, FRAME = "circolare_2019_records", "circolare_2019_frame"
