@@ -91,12 +91,8 @@ def test_names_of_measures_stand_in_their_table_alone():
         ('if measure != "pga": pass', {"pga"}, {"pga"}),
         ('STRENGTH = {"pga": largest}', {"pga"}, set()),
         ('values = summary["pga"]', {"pga"}, set()),
-        ('if summary["pga"] > 1.0: pass', {"pga"}, set()),
-        ('__all__ = ["pga"]', set(), set()),
-        ('"""pga"""', set(), set()),
-        ('def f(x):\n    """pga"""\n    return f"{x}pga"', set(), set()),
+        ('__all__ = ["pga"]\ndef f(x):\n    """pga"""\n    return f"{x}pga", "a pga"', set(), set()),
         ('if motions.kind == "pga": pass', set(), set()),
-        ('"the pga of a record"', set(), set()),
     ],
 )
 def test_the_search_sees_literals_and_what_decides(text, every, decided):

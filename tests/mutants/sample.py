@@ -161,16 +161,15 @@ def main() -> int:
     """Run the sample; 0 where the share that is noticed is large enough."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=400, help="mutants drawn (400)")
-    parser.add_argument("--skip", type=int, default=0, help="leave out the first of them: the sample in parts (0)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (1)")
     parser.add_argument("--only", default="", metavar="TEXT", help="modules whose path has this text")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="mutants at a time (one a core)")
     parser.add_argument("--least", type=float, default=0.9, help="smallest share that the tests have to notice (0.90)")
     given = parser.parse_args()
     counts = Counter[str]()
-    drawn = shuffled(given.seed, given.only)[given.skip : given.count]
+    drawn = shuffled(given.seed, given.only)[: given.count]
     with multiprocessing.get_context("fork").Pool(given.workers) as pool:
-        for number, (one, fate) in enumerate(zip(drawn, pool.imap(fate_of, drawn), strict=True), given.skip + 1):
+        for number, (one, fate) in enumerate(zip(drawn, pool.imap(fate_of, drawn), strict=True), 1):
             counts[fate] += 1
             print(f"{number:4} {fate:10} {one.module}:{one.number} {one.operator} {one.occurrence}", flush=True)
             if fate in ("survived", "untested"):

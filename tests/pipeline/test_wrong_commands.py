@@ -22,7 +22,6 @@ SPEAKER = re.compile(r"rockpulse[a-z0-9 -]*: (?:error: )?")
 LONG = {
     "a = " + "[" * 5000 + "]" * 5000: "c.toml: sections and arrays are nested more than 8 deep",
     "a = " + "9" * 5000: "c.toml: an integer is beyond the limit of 2^63; write a number with a decimal point",
-    "[search]\npoints = " + "9" * 5000: "c.toml: an integer is beyond the limit of 2^63",
     "[" + ".".join("a" * 3000) + "]": "c.toml: sections and arrays are nested more than 8 deep",
     "#" * 1_100_000: "c.toml: expected a TOML file of at most 1,048,576 bytes, found more",
     "\0": "c.toml: not valid TOML: Invalid statement",
