@@ -4,7 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import rockpulse as rp
+from rockpulse.assessment.scene import extract
 from rockpulse.model_table import ALL_MODELS, DEFAULT_MODELS
+from rockpulse.selection.directions import conditioned
 
 #: The same for the command line.
 FILE = Path(__file__).with_name("nominal.toml")
@@ -18,6 +20,11 @@ def Config(**sections):
     sequence = replace(sequence, method="statistics")
     uncertainty = {"uncertainty": rp.UncertaintySettings(probability=False)}
     return rp.Config(**uncertainty | sections, search=search, models=models, sequence=sequence)
+
+
+def scene_of_record(record, config, vertical=None):
+    """The input of the models, from a record and its vertical channel as they were read."""
+    return extract(conditioned(record, config), config, vertical and conditioned(vertical, config))
 
 
 def ida(**fragility):

@@ -31,7 +31,6 @@ rockpulse.files
 rockpulse.record
 rockpulse.readers
 rockpulse.sequences
-rockpulse.model_row
 rockpulse.model_table
 rockpulse.config
 rockpulse.selection

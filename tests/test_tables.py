@@ -14,7 +14,6 @@ from rockpulse.record.measures import MEASURES, ROWS
 
 #: Modules in which words that are names of models in their own table are something else, and what.
 NO_MODEL = {
-    "rockpulse.model_row": {"sequence", "linear", "nonlinear"},  # inputs of models, and equations of the solver
     "rockpulse.assessment.answers": {"sequence"},  # the kind of the motions: records, pairs or that of a site
     "rockpulse.views.text.verdicts": {"sequence"},
     "rockpulse.commands.terminal": {"sequence"},  # a file that holds a sequence

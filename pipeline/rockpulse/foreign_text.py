@@ -25,3 +25,8 @@ def first_line(error: object) -> str:
 def not_a_formula(text: str) -> str:
     """Put an apostrophe before a text that a spreadsheet would read as a formula; numbers are unchanged."""
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def in_utf8(text: str) -> str:
+    """Return a string that HDF5 and a journal can store; bytes that are not UTF-8 become the replacement character."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")

@@ -5,12 +5,11 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from nominal import Config
+from nominal import Config, scene_of_record
 
 from rocking.body.block_lanes import FEATURES
 from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.scene import scene_of_record
 from rockpulse.model_table import (
     ALL_MODELS,
     DEFAULT_MODELS,

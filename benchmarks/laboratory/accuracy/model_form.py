@@ -16,12 +16,12 @@ from scipy.stats import mannwhitneyu
 from laboratory.ensemble import blocks
 from rocking.body.block import Block
 from rocking.response import Outcome
-from rockpulse.assessment.scene import scene_of_record
+from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
-from rockpulse.model_row import Scene
-from rockpulse.model_table import ALL_MODELS, MODELS
+from rockpulse.model_table import ALL_MODELS, MODELS, Scene
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.selection.directions import conditioned
 from synthetic import synthetic_motion
 
 #: The model that judges the others, and those that are judged.
@@ -70,7 +70,8 @@ def model_form_lanes(
     assessment, conditions and calibrates the record; `scales` are factors on it [-]. Raises RockpulseError where the
     record cannot be conditioned or has no intense phase.
     """
-    bodies, unscaled = blocks(), scene_of_record(record, config or Config())
+    config = config or Config()
+    bodies, unscaled = blocks(), extract(conditioned(record, config), config)
     frames = []
     for scale in scales:
         scene = _scaled(unscaled, scale)

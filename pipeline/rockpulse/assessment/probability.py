@@ -26,8 +26,7 @@ from rockpulse.assessment.scene import senses
 from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.model_row import Scene
-from rockpulse.model_table import is_full
+from rockpulse.model_table import Scene, is_full
 from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY, READ, SOURCES
 

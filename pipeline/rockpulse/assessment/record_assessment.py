@@ -18,8 +18,7 @@ from rockpulse.assessment.scene import floor_scene, joined_responses, places_of,
 from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
-from rockpulse.model_row import Scene
-from rockpulse.model_table import MODELS
+from rockpulse.model_table import MODELS, Scene
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record

@@ -15,22 +15,15 @@ from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
-from rockpulse.model_row import Scene
-from rockpulse.model_table import RULE_POINT
+from rockpulse.model_table import RULE_POINT, Scene
 from rockpulse.record.components import Pair, align, uncovered
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-from rockpulse.selection.directions import FACING_WITHIN, conditioned
+from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import record_sequence
 from rockpulse.warning_text import WarningText
-
-
-def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and return the model input; RockpulseError if one is rejected."""
-    up = None if vertical is None else conditioned(vertical, config)
-    return extract(conditioned(record, config), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:

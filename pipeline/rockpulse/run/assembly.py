@@ -5,7 +5,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,15 +14,7 @@ from rockpulse.assessment.tree import direction_statistics, joined_parts
 from rockpulse.errors import Failure
 from rockpulse.record.measures import PGA
 from rockpulse.run.analysis import Analysis, Part, Plan
-from rockpulse.run.earlier_results import (
-    DIGITS,
-    PARTIAL,
-    RUN_DIGEST,
-    RUN_ID,
-    RUN_ROWS,
-    RUN_SETTINGS,
-    EarlierResults,
-)
+from rockpulse.run.earlier_results import DIGITS, PARTIAL, RUN_DIGEST, RUN_ID, RUN_ROWS, RUN_SETTINGS, EarlierResults
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import Journal
 from rockpulse.run.tasks import configuration_fingerprint
@@ -38,10 +29,8 @@ from rockpulse.storage.variables.probability import MEAN
 CHUNK = 32 * 1024**2
 #: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-#: Variables of /summary from which /directions is computed: those of record, responses and probability.
-SWEPT_RECORD = ("record", PGA, "main_impulse")
-SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
-SWEPT_PROBABILITY = ("overturning_probability",)
+#: Variables of /summary from which /directions is computed.
+SWEPT = ("record", PGA, "main_impulse", "peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 
 
 @dataclass(frozen=True)
@@ -118,40 +107,31 @@ def assemble(
     """Write the same file as :func:`rockpulse.save`, but piece by piece; return the number of records.
 
     `template` is the tree of results without records. The `parts`, in the order of the rows, are read twice, first for
-    their sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or one
+    their sizes. At most `chunk` bytes of arrays, or one
     larger part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file
     exists (it is then not changed) or cannot be written.
     """
-    if iter(parts) is parts:
-        raise TypeError("parts: expected a list or JournalParts, which can be read twice, found an iterator")
-    records, lengths, size = _sizes(parts)
+    records: list[str] = []
+    lengths: dict[str, int] = defaultdict(int)
+    size = 0  # of the values in the file [bytes]
+    for part in parts:
+        records += part["/summary/record"].tolist()
+        for name, values in part.items():
+            lengths[name] += len(values)
+            size += _stored_bytes(values)
     known = set(records)
     pairs = {pair: ids for pair, ids in (swept or {}).items() if not known.isdisjoint(ids)}
-    directions = template["directions"].to_dataset() if "directions" in template.children else None
-    if directions is not None:
-        of_pairs = [one for one in directions.variables.values() if one.dims[0] == "pair"]
+    if "directions" in template.children:
+        of_pairs = [one for one in template["directions"].variables.values() if one.dims[0] == "pair"]
         size += len(pairs) * sum(one.dtype.itemsize * int(np.prod(one.shape[1:])) for one in of_pairs)
     check_described(template, path)
     attrs = provenance(template.attrs) | dict(run or {})
     with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
         _create_variables(writer, template, lengths, failures, len(pairs))
         _write_parts(writer, parts, chunk)
-        if directions is not None:
-            _write_directions(writer, directions, pairs, records, chunk)
+        if "directions" in template.children:
+            _write_directions(writer, template, pairs, records)
     return len(records)
-
-
-def _sizes(parts: Iterable[Part]) -> tuple[list[str], dict[str, int], int]:
-    """Return the ids of the records, the number of rows of each variable, and the approximate file size [bytes]."""
-    records: list[str] = []
-    lengths: dict[str, int] = defaultdict(int)
-    size = 0
-    for part in parts:
-        records += part["/summary/record"].tolist()
-        for name, values in part.items():
-            lengths[name] += len(values)
-            size += _stored_bytes(values)
-    return records, lengths, size
 
 
 def _stored_bytes(values: np.ndarray) -> int:
@@ -194,30 +174,20 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 
 
 def _write_directions(
-    writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
+    writer: TreeWriter, template: xr.DataTree, pairs: Mapping[str, Sequence[str]], records: Sequence[str]
 ) -> None:
-    """Write the statistics over the directions of each pair of channels, several pairs at a time."""
+    """Write the statistics over the directions of each pair of channels, one pair after the other."""
     place = {record: number for number, record in enumerate(records)}
-    azimuths = empty["direction_azimuth"].values.tolist()
-    answers = empty["median_rotation_ratio"]
-    per_pair = len(SWEPT_ANSWER) * 8 * len(azimuths) * int(np.prod(answers.shape[1:]))
-    at_once = max(1, chunk // per_pair)
-    dims = dict.fromkeys(SWEPT_RECORD, ("record",)) | dict.fromkeys(SWEPT_ANSWER, ("record", *answers.dims[1:]))
-    if with_probability := MEAN in empty:
-        dims |= dict.fromkeys(SWEPT_PROBABILITY, ("record", *empty[MEAN].dims[1:]))
-    names = list(pairs)
-    for start in range(0, len(names), at_once):
-        some = {name: pairs[name] for name in names[start : start + at_once]}
-        rows = [place[record] for ids in some.values() for record in ids if record in place]
+    empty, summary = template["directions"].to_dataset(), template["summary"].to_dataset()
+    with_probability = MEAN in empty
+    names = (*SWEPT, "overturning_probability") if with_probability else SWEPT
+    for pair, ids in pairs.items():
+        rows = [place[record] for record in ids if record in place]
         begin, end = min(rows), max(rows) + 1
-        summary = xr.Dataset(
-            {name: (dims[name], writer.read(f"/summary/{name}", begin, end)) for name in dims},
-            {name: empty[name].variable for name in ("block", "model")},
-        )
-        found = direction_statistics(summary, azimuths, some, with_probability)
+        values = {name: (summary[name].dims, writer.read(f"/summary/{name}", begin, end)) for name in names}
+        own = xr.Dataset(values, {name: empty[name].variable for name in ("block", "model")})
+        found = direction_statistics(own, empty["direction_azimuth"].values, {pair: ids}, with_probability)
+        found["record_index"] = xr.where(found["record_index"] < 0, -1, found["record_index"] + begin)
         for name, variable in found.variables.items():
             if variable.dims[:1] == ("pair",):
-                values: Any = variable.values
-                if name == "record_index":
-                    values = np.where(values < 0, -1, values + begin)
-                writer.append(f"/directions/{name}", values)
+                writer.append(f"/directions/{name}", variable.values)

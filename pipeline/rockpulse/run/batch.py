@@ -22,7 +22,7 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import PackedTask, TakenFrom, carry_out, digest_of, packed_tasks, read_options, warm_up
+from rockpulse.run.tasks import TakenFrom, Task, carry_out, digest_of, read_options, tasks_of, warm_up
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
@@ -112,7 +112,7 @@ class _Batch:
     """One batch run with its journal and its tasks."""
 
     journal: Journal
-    tasks: Sequence[PackedTask] = ()
+    tasks: Sequence[Task] = ()
     earlier: EarlierResults | None = None  # of the file to which the run appends
 
     def __init__(self, analysis: Analysis, output: PathLike, options: BatchOptions) -> None:
@@ -182,7 +182,7 @@ class _Batch:
         # An assessment needs the planned records later only for a sweep; otherwise their list is emptied.
         swept = not isinstance(analysis, Assessment) or analysis.config.records.components == "sweep"
         planned = [*plan.planned] if swept else plan.planned
-        self.tasks = packed_tasks(planned, every, analysis.config, analysis.name)
+        self.tasks = tasks_of(planned, every, analysis.config, analysis.name)
         if appending:
             self.earlier = earlier_results(output, analysis, self.tasks, read)
         del read
@@ -211,8 +211,6 @@ class _Batch:
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
         """Return workers for a number of items: the earlier workers if they are enough, or new ones."""
         options = self.options
-        if options.executor is not None:
-            return before or resources.enter_context(WorkerPool.through(options.executor))
         if options.scheduler is not None:
             return before or resources.enter_context(WorkerPool.scheduler(options.scheduler))
         workers = self.analysis.config.run.workers if options.workers is None else options.workers
@@ -249,7 +247,7 @@ class _Batch:
                 bar.update(1)
         return *gather_survey(located, rows), unread
 
-    def missing(self) -> list[PackedTask]:
+    def missing(self) -> list[Task]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure if a task failed in an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, seen = set(self.finished()), journal.failures()
@@ -284,7 +282,7 @@ class _Batch:
             self.stop_at(rows.get(key, ()))
         return missing
 
-    def work(self, pool: WorkerPool, missing: Sequence[PackedTask]) -> None:
+    def work(self, pool: WorkerPool, missing: Sequence[Task]) -> None:
         """Execute the missing tasks and store their results; a task whose worker died becomes a row of /failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)

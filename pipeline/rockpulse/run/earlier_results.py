@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
@@ -15,7 +16,7 @@ from rockpulse.config.configuration import SECTIONS, Config, config_from_text
 from rockpulse.errors import ConfigError, ResultsError, some
 from rockpulse.record.record import BETWEEN
 from rockpulse.run.analysis import Analysis, Part
-from rockpulse.run.tasks import IDLE, OF_TASKS, PackedTask, configuration_fingerprint
+from rockpulse.run.tasks import IDLE, OF_TASKS, Task, configuration_fingerprint
 from rockpulse.storage.hdf5.netcdf4 import slab
 from rockpulse.storage.hdf5.results_file import ResultsFile, open_results_file
 from rockpulse.storage.hdf5.verification import verify
@@ -46,10 +47,16 @@ class EarlierResults:
 
     def parts(self, keys: Sequence[str], events: Mapping[str, str]) -> Iterator[Part]:
         """Yield the stored rows of the given tasks, with their earthquakes; consecutive rows are read together."""
+        rows = np.array([row for key in keys for row in self.rows[key]])
+        named = np.array([events[key] for key in keys for _ in self.rows[key]])
+        # Blocks of consecutive rows, at most ROWS of them.
+        number = np.cumsum(np.diff(rows, prepend=rows[0]) != 1) * rows.size + np.arange(rows.size) // ROWS
+        begins = np.flatnonzero(np.diff(number, prepend=-1))
         with open_results_file(self.path) as file, file.reading():
             offsets = _offsets_in(file)
-            for begin, end, named in _blocks(keys, self.rows, events):
-                yield {**_rows_of(file, self.analysis.empty_part, offsets, begin, end), EVENT: np.array(named)}
+            for begin, end in pairwise([*begins.tolist(), rows.size]):
+                part = _rows_of(file, self.analysis, offsets, int(rows[begin]), int(rows[end - 1]) + 1)
+                yield {**part, EVENT: named[begin:end]}
 
 
 def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
@@ -80,7 +87,7 @@ def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: b
 
 
 def earlier_results(
-    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[PackedTask], read: Iterable[str]
+    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[Task], read: Iterable[str]
 ) -> EarlierResults:
     """Return the tasks whose stored results are still valid; :func:`check_appends` has compared the options before.
 
@@ -175,24 +182,6 @@ def _changed_keys(where: str, old: object, new: object, free: set[str]) -> list[
     ]
 
 
-def _blocks(
-    keys: Sequence[str], rows: Mapping[str, range], events: Mapping[str, str]
-) -> Iterator[tuple[int, int, list[str]]]:
-    """Join consecutive rows of tasks into groups of about ROWS; yield the start, end and earthquakes of each group."""
-    begin = end = 0
-    named: list[str] = []
-    for key in keys:
-        own = rows[key]
-        if named and (own.start != end or len(named) >= ROWS):
-            yield begin, end, named
-            named = []
-        begin = begin if named else own.start
-        end = own.stop
-        named += [events[key]] * len(own)
-    if named:
-        yield begin, end, named
-
-
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
     """Return a function of group and dimension that returns the first row of each record, and the number of rows."""
     count = file.dataset("summary").sizes["record"]
@@ -201,8 +190,8 @@ def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
     def offsets(group: str, dim: str) -> np.ndarray:
         if dim == "record":
             return np.arange(count + 1)
-        stored = file.dataset(group.strip("/"))
-        for name, one in ASSESSMENT_GROUPS[group].items():
+        stored = file.dataset(group)
+        for name, one in ASSESSMENT_GROUPS[f"/{group}"].items():
             if name.endswith("record_index") and one.dims == (dim,):
                 return np.searchsorted(stored[name].values, np.arange(count + 1))
             if one.sample_dimension == dim:
@@ -214,17 +203,16 @@ def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
 
 
 def _rows_of(
-    file: ResultsFile, empty: Part, offsets: Callable[[str, str], np.ndarray], begin: int, end: int
+    file: ResultsFile, analysis: Analysis, offsets: Callable[[str, str], np.ndarray], begin: int, end: int
 ) -> dict[str, np.ndarray]:
     """Return the rows of a results file for the records `begin` to `end` - 1, as a part; record indices start at 0."""
     part = {}
-    for path, template in empty.items():
-        group, _, name = path.rpartition("/")
-        if path == EVENT:
-            continue
-        dim = ASSESSMENT_GROUPS[group][name].dims[0]
-        places = offsets(group, dim)
-        values = slab(file.dataset(group.strip("/"))[name].variable, {dim: slice(int(places[begin]), int(places[end]))})
-        values = values.astype(str) if template.dtype.kind == "U" else values
-        part[path] = values - begin if path.endswith("record_index") else values
+    for path, template in analysis.empty_part.items():
+        if path != EVENT:
+            group, _, name = path[1:].partition("/")
+            dim = analysis.dimension_of(path)
+            first, last = offsets(group, dim)[[begin, end]].tolist()
+            values = slab(file.dataset(group)[name].variable, {dim: slice(first, last)})
+            values = values.astype(str) if template.dtype.kind == "U" else values
+            part[path] = values - begin if path.endswith("record_index") else values
     return part

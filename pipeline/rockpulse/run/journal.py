@@ -18,6 +18,7 @@ from typing import Any, Self
 
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
+from rockpulse.foreign_text import in_utf8
 from rockpulse.run.frames import MARK, Frame, append, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
@@ -211,7 +212,7 @@ class Journal:
             raise JournalError(
                 f"{self.path}: the journal was removed during the run, and the finished records with it; start again"
             )
-        rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind, row.remedy))] for row in done.failures]
+        rows = [[*map(in_utf8, (row.file, row.stage, row.reason, row.kind, row.remedy))] for row in done.failures]
         outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
         try:
             self._keep(self._append(outcome, done.parts))
@@ -314,7 +315,3 @@ def _identity_of(path: Path) -> tuple[int, int] | None:
     with suppress(FileNotFoundError, NotADirectoryError):
         return _identity(path.stat())
     return None
-
-
-def _in_utf8(text: str) -> str:
-    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

@@ -51,16 +51,22 @@ OF_TASKS = ("paths", "events", "keep", "units", "dt", "files", "pairs", "confirm
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
-    """A channel, or a pair of channels to be rotated, without samples; it takes little memory and can be pickled."""
+    """A channel, or a pair of channels to be rotated, without samples; compressed, it needs a fifth of its memory."""
 
-    planned: PlannedMotion
-    places: Mapping[str, tuple[SamplesLocation, ...]]  # locations of the samples, by id of the record
+    key: str  # id of the channel or name of the pair, equal in every run on the same files
     fingerprint: str  # SHA-256 of samples, metadata, configuration and version
+    content: bytes  # plan of the channels, and locations of the samples by id of the record
+    pattern: bytes  # dictionary of the compression; all tasks of a run share it
+
+    def _unpacked(self) -> tuple[PlannedMotion, Mapping[str, tuple[SamplesLocation, ...]]]:
+        found: tuple[PlannedMotion, Mapping[str, tuple[SamplesLocation, ...]]]
+        found = pickle.loads(zlib.decompressobj(zdict=self.pattern).decompress(self.content))
+        return found
 
     @property
-    def key(self) -> str:
-        """Id of the channel or name of the pair, equal in every run on the same files."""
-        return self.planned.name
+    def planned(self) -> PlannedMotion:
+        """The channels without samples."""
+        return self._unpacked()[0]
 
     @property
     def source(self) -> str:
@@ -69,55 +75,17 @@ class Task:
 
     def read(self, options: ReadOptions) -> PlannedMotion:
         """Read the samples of all channels of this task again; raise the same errors as :meth:`Located.read`."""
-        planned = self.planned
-        channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
-        vertical, partner = (
-            None if one is None else Located(one, self.places[one.id]).read(options)
-            for one in (planned.vertical, planned.partner)
-        )
+        planned, places = self._unpacked()
+
+        def again(record: Record) -> Record:
+            return Located(record, places[record.id]).read(options)
+
+        vertical, partner = (one if one is None else again(one) for one in (planned.vertical, planned.partner))
         comparisons = tuple(
-            replace(
-                one,
-                other=Located(one.other, self.places[one.other.id]).read(options),
-                beside=tuple(Located(each, self.places[each.id]).read(options) for each in one.beside),
-            )
-            for one in planned.comparisons
+            replace(one, other=again(one.other), beside=tuple(map(again, one.beside))) for one in planned.comparisons
         )
-        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner, comparisons=comparisons)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class PackedTask:
-    """A task as compressed bytes, which need a fifth of its memory."""
-
-    key: str
-    fingerprint: str
-    content: bytes
-    pattern: bytes  # dictionary of the compression; all tasks of a run share it
-
-    @property
-    def task(self) -> Task:
-        """Return the unpacked task."""
-        planned, places = pickle.loads(zlib.decompressobj(zdict=self.pattern).decompress(self.content))
-        return Task(planned, places, self.fingerprint)
-
-    @property
-    def source(self) -> str:
-        """Names of the files of the channels, as they appear in /failures."""
-        return self.task.source
-
-
-def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: Config, verb: str) -> list[PackedTask]:
-    """Return the packed tasks of :func:`tasks_of`; both lists are emptied step by step, which saves memory."""
-    places = {one.record.id: one.parts for one in channels}
-    channels.clear()
-    packed: list[PackedTask] = []
-    for one in _tasks(TakenFrom(planned), places, config, verb):
-        content = pickle.dumps((one.planned, one.places), 5)
-        pattern = packed[0].pattern if packed else content
-        press = zlib.compressobj(1, zdict=pattern)
-        packed.append(PackedTask(one.key, one.fingerprint, press.compress(content) + press.flush(), pattern))
-    return packed
+        channels = tuple(map(again, planned.channels))
+        return replace(planned, channels=channels, vertical=vertical, partner=partner, comparisons=comparisons)
 
 
 class TakenFrom(Iterator[Item]):
@@ -136,23 +104,24 @@ class TakenFrom(Iterator[Item]):
         return len(self._left)
 
 
-def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
-    """Return a task for each channel or pair of channels that is to be assessed."""
-    return list(_tasks(planned, {one.record.id: one.parts for one in channels}, config, verb))
-
-
-def _tasks(
-    planned: Iterable[PlannedMotion], places: Mapping[str, tuple[SamplesLocation, ...]], config: Config, verb: str
-) -> Iterator[Task]:
+def tasks_of(planned: list[PlannedMotion], channels: list[Located], config: Config, verb: str) -> list[Task]:
+    """Return a task for each channel or pair of channels; both lists are emptied step by step, which saves memory."""
+    places = {one.record.id: one.parts for one in channels}
+    channels.clear()
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
-    for one in planned:
+    tasks: list[Task] = []
+    for one in TakenFrom(planned):
         compared = [record for comparison in one.comparisons for record in comparison.records]
         acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
         facts = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
         fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *facts, *confirmed])
-        yield Task(one, {record.id: places[record.id] for record in acting}, fingerprint)
+        content = pickle.dumps((one, {record.id: places[record.id] for record in acting}), 5)
+        pattern = tasks[0].pattern if tasks else content
+        press = zlib.compressobj(1, zdict=pattern)
+        tasks.append(Task(one.name, fingerprint, press.compress(content) + press.flush(), pattern))
+    return tasks
 
 
 def read_options(config: Config) -> ReadOptions:
@@ -186,7 +155,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, bodies, *demands, chosen])
 
 
-def digest_of(tasks: Iterable[Task | PackedTask], events: Mapping[str, str], config: Config, verb: str) -> str:
+def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
     """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
     text = replace(config, bodies=(), run=replace(config.run, workers=1)).as_text()
     table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
@@ -223,9 +192,8 @@ def _digest(texts: Iterable[str]) -> str:
     return hashlib.sha256(repr(list(texts)).encode()).hexdigest()
 
 
-def carry_out(task: Task | PackedTask, work: Work, stage: str, config: Config) -> Done:
+def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     """Read the samples of a task and process its records; every error becomes a row of /failures."""
-    task = task.task if isinstance(task, PackedTask) else task
     seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
     @contextmanager

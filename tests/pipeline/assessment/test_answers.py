@@ -8,7 +8,7 @@ import xarray as xr
 from report_cases import answers, motions, probable, summary_of
 from results_tree import results_tree
 
-from rockpulse.assessment.answers import Answers, Motions, answers_of, bodies_of, searched_up_to, swept_answers
+from rockpulse.assessment.answers import Answers, Motions, answers_of, bodies_of, searched_up_to
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.probability import MEAN
 
@@ -60,14 +60,6 @@ def test_margins_are_those_of_the_motions_taken_one_by_one(seed):
         assert margin.partial == sum(bool(np.isnan(factors[row]).any()) for row in rows) - margin.unknown
         if not math.isnan(margin.smallest):
             assert np.nanmin(factors[rows[margin.place]]) == margin.smallest
-
-
-def test_a_pair_is_of_the_earthquake_of_a_direction_that_it_has():
-    """The first pair lacks its first direction, the second its second one."""
-    summary = summary_of([2.0, 3.0, 4.0]).assign_coords(event=("record", ["Friuli", "Irpinia", "Irpinia"]))
-    index = (("pair", "direction"), [[-1, 0], [1, -1]])
-    directions = xr.Dataset({"record_index": index}, {"pair": ["p", "q"]})
-    assert list(swept_answers(summary, directions).motions.events) == ["Friuli", "Irpinia"]
 
 
 @pytest.mark.parametrize(("factors", "median"), [([1.0, NAN, 4.0], 2.5), ([INF, INF, 3.0], INF)])

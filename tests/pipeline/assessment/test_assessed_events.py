@@ -9,13 +9,11 @@ from nominal import Config
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.answers import answers_of
-from rockpulse.cli import main
 from rockpulse.errors import ConfigError
 from rockpulse.readers.folders import read_all
 from rockpulse.run import survey
 from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
-from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.views.shared.verdict_table import of_unknown_event
@@ -110,19 +108,3 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
     kept = rp.load(tmp_path / "y.h5")["failures"]["reason"].values.tolist()
     for reasons in (kept, [row.reason for row in of_fragility]):
         assert sum(reason.startswith(said) for reason in reasons) == 1
-
-
-@pytest.mark.sweep
-def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, capsys):
-    (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
-    (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")
-    (tmp_path / "site.toml").write_text('[records]\nevents = "events.csv"\n[models]\nuse = ["resonance"]\n')
-    options = ["--config", str(tmp_path / "site.toml"), "--block", "wall=0.3x2.4", "--quiet"]
-    assert main(["assess", str(folder), *options, "-o", str(tmp_path / "x.h5")]) == 1
-    assert capsys.readouterr().err.count("[records] events names records that were not read: elsewhere") == 1
-
-
-def test_a_table_that_was_corrected_costs_no_record(tmp_path):
-    """A run that was stopped goes on with the table as it is: no task depends on it."""
-    told = with_table(tmp_path, "record,event\na,Kobe\n")
-    assert configuration_fingerprint(told, "assess") == configuration_fingerprint(CONFIG, "assess")

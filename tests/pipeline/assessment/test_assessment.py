@@ -1,7 +1,5 @@
 """From records and bodies to the tree."""
 
-from datetime import UTC, datetime, timedelta
-
 import numpy as np
 import pytest
 from bursts import DT, TOWER, WALL, motion, record
@@ -10,7 +8,6 @@ from nominal import Config as nominal
 from rocking.impulses.impulse_sequence import SPACINGS
 from rockpulse import (
     BlockSettings,
-    ConditioningSettings,
     DemandSettings,
     ModelSettings,
     RecordSettings,
@@ -18,9 +15,7 @@ from rockpulse import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.assessment.assessment import Assessment, assess
-from rockpulse.assessment.scene import scene_of_record
-from rockpulse.assessment.tree import joined_parts
+from rockpulse.assessment.assessment import assess
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
@@ -55,25 +50,6 @@ def test_answers_are_those_of_the_model_called_directly(tree):
     cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
     assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
     assert cell["impacts"].item() == direct.impacts
-
-
-def test_parts_are_joined_with_the_records_counted_on():
-    """Parts of two, one and three records; a column of theirs counts them."""
-    parts = [
-        {"/summary/record": np.array(list(names)), "/half_cycles/record_index": np.arange(len(names))}
-        for names in ("ab", "c", "def")
-    ]
-    for before in (0, 7):
-        whole = joined_parts(parts, before)
-        assert "".join(whole["/summary/record"]) == "abcdef"
-        assert whole["/half_cycles/record_index"].tolist() == [before + number for number in range(6)]
-
-
-@pytest.mark.parametrize(
-    ("path", "dimension"), [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")]
-)
-def test_the_dimension_along_which_a_variable_grows_is_its_first(path, dimension):
-    assert Assessment(Config(bodies=(WALL,))).dimension_of(path) == dimension
 
 
 def test_results_are_named_after_the_site(tree):
@@ -126,19 +102,6 @@ def test_intervals_of_overturning_begin_with_the_safety_factor_and_hold_the_outc
     assert np.array_equal(table["open"].values == 1, table["upper"].values == 10.0)
     assert np.all(table["resolved"] == 1)
     assert np.all(table["case_index"] == 0)
-
-
-def test_models_left_out_of_the_search_have_no_factor_and_records_are_left_out_where_asked_for():
-    config = Config(bodies=(WALL,), search=SearchSettings(models=()), records=RecordSettings(store="none"))
-    tree = assess([record("one")], config)
-    assert "records" not in tree.children
-    assert np.all(np.isnan(tree["summary"]["safety_factor"]))
-    assert np.all(np.isnan(tree["summary"]["capacity_pga"]))
-    assert np.all(tree["summary"]["interval_count"] == -1)
-    assert np.all(tree["summary"]["factor_resolved"] == -1)
-    assert np.all(np.isnan(tree["summary"]["search_step"]))
-    assert tree["overturning_intervals"].sizes["interval"] == 0
-    assert "demand" not in tree["summary"].dims
 
 
 @pytest.mark.sweep
@@ -231,26 +194,6 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     assert np.array_equal(lifted[:2], plain[:2])
 
 
-def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
-    start = datetime(2020, 1, 1, tzinfo=UTC)
-    common = {"station": "S", "processed": False, "source": "one.txt"}
-    horizontal = Record(motion(0, 2.5), DT, id="one", orientation="horizontal", start_time=start, **common)
-    late = Record(
-        motion(3, 3.0)[200:] + 0.5,
-        DT,
-        id="up",
-        orientation="vertical",
-        start_time=start + timedelta(seconds=2),
-        **common,
-    )
-    config = Config(records=RecordSettings(include_vertical=True), conditioning=ConditioningSettings(baseline="mean"))
-    scene = scene_of_record(horizontal, config, late)
-    assert np.all(scene.vertical[:200] == 0.0)
-    assert scene.vertical[200:] == pytest.approx(late.acceleration - late.acceleration.mean())
-    assert any("up" in step for step in scene.record.processing)
-    assert any("taken as zero in the 2 s" in warning for warning in scene.record.warnings)
-
-
 @pytest.mark.sweep
 def test_every_estimator_gives_an_assessment_with_safety_factors():
     tables = {"main": MAIN, "secondary": SECONDARY, "interval": INTERVAL, "main_count": MAIN_COUNT, "spacing": SPACINGS}
@@ -335,10 +278,3 @@ def test_no_record_at_all_gives_an_empty_tree_and_two_of_one_id_are_refused():
     assert tree["half_cycles"].sizes["row"] == 0
     with pytest.raises(ConfigError, match="one"):
         assess([record("one"), record("one")], Config(bodies=(WALL,)))
-
-
-def test_every_variable_has_a_unit_and_a_long_name(tree):
-    for node in tree.subtree:
-        for name, variable in node.variables.items():
-            assert isinstance(variable.attrs.get("units"), str), name
-            assert variable.attrs.get("long_name"), name

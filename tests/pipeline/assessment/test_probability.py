@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from bursts import DT, WALL, motion, record
 from nominal import Config as nominal
+from nominal import scene_of_record
 from numpy.testing import assert_allclose, assert_array_equal
 
 import rockpulse as rp
@@ -14,7 +15,6 @@ from rocking.body.limits import RATES
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import assess_scene
-from rockpulse.assessment.scene import scene_of_record
 from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nominal import scene_of_record
 
 import rockpulse as rp
-from rockpulse.assessment.scene import extract, scene_of_record
+from rockpulse.assessment.scene import extract
 
 T = np.arange(0.0, 6.0, 0.01)
 RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)

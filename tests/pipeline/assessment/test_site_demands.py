@@ -15,7 +15,6 @@ from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.measures import DEMAND, PERIODIC, ROWS, RecordOnBodies
-from rockpulse.storage.variables.probability import SOURCES
 
 BODIES = {"wall": Block(0.3, 2.4), "stele": Block(0.4, 3.0)}
 LANES = Block.stack([body.lanes(1) for body in BODIES.values()])
@@ -135,21 +134,6 @@ def test_mirrored_records_leave_every_number_at_the_demand_as_it_is():
         verdicts(answers_of(rp.assess(own, config, bodies)))[0].deciding for own in (RECORDS[:2], mirrored)
     )
     assert repr(mirror) == repr(plain)
-
-
-def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
-    """A squat body has lanes of its own, read at the factor to the demand."""
-    asked = DemandSettings(name="ULS", measure="pgv", value=1.6)
-    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
-    bodies = {"chest": Block(0.5, 1.2)}
-    tree = rp.assess(RECORDS[:1], config, bodies)
-    factor = tree["summary"]["demand_factor"].item()
-    by_hand = dataclasses.replace(RECORDS[0], acceleration=factor * RECORDS[0].acceleration)
-    other = rp.assess([by_hand], dataclasses.replace(config, demands=()), bodies)["summary"]
-    expected = other["overturning_probability"].item()
-    assert tree["summary"]["probability_source"].item() == SOURCES.index("full_equation")
-    assert 0.02 < expected < 0.98
-    assert tree["summary"]["demand_probability"].item() == pytest.approx(expected, abs=0.06)
 
 
 def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says_so():

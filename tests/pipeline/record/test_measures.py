@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from nominal import scene_of_record
 
 import rockpulse as rp
 from rocking.body.block import Block
 from rocking.march.demand import ground_demand
-from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.readers import UNITS
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity

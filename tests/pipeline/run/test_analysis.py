@@ -13,7 +13,7 @@ from rockpulse.config.settings import ConditioningSettings, RecordSettings
 from rockpulse.errors import ConfigError, Failure, TooWeak
 from rockpulse.readers import UNITS
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, joined, run
+from rockpulse.run.analysis import Analysis, run
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.shared.files_used import failure_rows
 
@@ -174,9 +174,3 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
 def test_two_records_of_one_id_are_refused():
     with pytest.raises(ConfigError, match="more than one record with id a"):
         run(Largest(Config()), [RECORDS[3], RECORDS[3]])
-
-
-def test_parts_are_joined_in_the_order_of_their_ids():
-    parts = [{"record": np.array([name]), "pga": np.array([size])} for name, size in (("b", 2.0), ("a", 3.0))]
-    found = joined(parts)
-    assert {name: values.tolist() for name, values in found.items()} == {"record": ["a", "b"], "pga": [3.0, 2.0]}

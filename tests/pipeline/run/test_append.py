@@ -12,7 +12,7 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
-from rockpulse import BlockSettings, RecordSettings, RunSettings, SiteSettings
+from rockpulse import BlockSettings, RecordSettings, SiteSettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch
@@ -106,13 +106,6 @@ def test_other_options_or_bodies_are_named_and_nothing_is_appended(folder, tmp_p
         assess_files(folder, config, output, appending())
     assert output.read_bytes() == written
     assert not journal_path(output).exists()
-
-
-@pytest.mark.sweep
-def test_what_no_number_depends_on_may_differ(folder, tmp_path):
-    output = tmp_path / "results.h5"
-    assess_files(folder / "r0.AT2", CONFIG, output, BatchOptions(workers=1))
-    assert assess_files(folder, replace(CONFIG, run=RunSettings(workers=2)), output, appending()).resumed == 1
 
 
 @pytest.mark.sweep

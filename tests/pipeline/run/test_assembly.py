@@ -1,13 +1,10 @@
 """The file that is put together from parts is the one that save writes of the whole tree."""
 
 import os
-import re
 import shutil
-import sys
 from dataclasses import replace
 
 import h5py
-import numpy as np
 import pytest
 from file_contents import assert_contents, contents
 
@@ -91,14 +88,6 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
 
 
 @pytest.mark.sweep
-def test_no_record_gives_the_empty_tree(assessed, tmp_path):
-    _, bodies, config, swept = assessed("plain")
-    save(build_tree([], bodies, config, FAILURES, swept), tmp_path / "saved.h5")
-    assert assemble(tmp_path / "made.h5", empty_tree(bodies, config), [], FAILURES, swept) == 0
-    assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
-
-
-@pytest.mark.sweep
 def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     target = tmp_path / "results.h5"
@@ -113,31 +102,6 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
     save(build_tree(done[:4], bodies, config, FAILURES), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))
     assert verify(target, inputs=False).differences == ()
-
-
-@pytest.mark.slow
-def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_others(assessed, tmp_path, monkeypatch):
-    """An array of one number takes as much memory as one of sixty: what is put together at once counts both."""
-    done, bodies, config, _ = assessed("no records")
-    together, joined = [], assembly.joined_parts
-
-    def watched(gathered, before):
-        together.append(sum(len(part) for part in gathered))
-        return joined(gathered, before)
-
-    monkeypatch.setattr(assembly, "joined_parts", watched)
-    many = [done[number % len(done)] for number in range(60)]
-    chunk = 150_000
-    assemble(tmp_path / "made.h5", empty_tree(bodies, config), many, chunk=chunk)
-    assert sum(together) == sum(len(part) for part in many)
-    assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
-
-
-@pytest.mark.sweep
-def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
-    done, bodies, config, _ = assessed("plain")
-    with pytest.raises(TypeError, match="read twice"):
-        assemble(tmp_path / "x.h5", empty_tree(bodies, config), (part for part in done))
 
 
 def test_a_run_knows_its_own_file_only(tmp_path):
@@ -167,34 +131,3 @@ def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path, monke
     assemble(tmp_path / "results.h5", empty_tree(bodies, config), done)
     (expected,) = sizes
     assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
-
-
-@pytest.mark.sweep
-def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(assessed, tmp_path, monkeypatch):
-    done, bodies, config, _ = assessed("plain")
-    target = tmp_path / "results.h5"
-    save(build_tree(done[:1], bodies, config, []), target)
-    old = target.read_bytes()
-
-    def fail(self, path, values):
-        raise OSError("Can't write (errno = 28, error message = 'No space left on device', buf = 0x0)")
-
-    monkeypatch.setattr(assembly.TreeWriter, "append", fail)
-    with Journal.open(target) as journal:
-        journal.add(Done("a", "f", (pack(done[0]),)))
-        parts = JournalParts(journal, Assessment(config), {"a": ""}, {"a": ""})
-        with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
-            assemble(target, empty_tree(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
-        assert journal.finished() == {"a": "f"}
-    assert target.read_bytes() == old
-    assert not list(tmp_path.glob("*.part"))
-
-
-@pytest.mark.sweep
-def test_parts_of_another_layout_are_refused(assessed, tmp_path):
-    done, bodies, config, _ = assessed("plain")
-    parts = list(done)
-    parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
-    with pytest.raises(ValueError, match=r"/pga: expected .* fit \(4,\) from index 0 on, found the shape \(5"):
-        assemble(tmp_path / "results.h5", empty_tree(bodies, config), parts)
-    assert list(tmp_path.iterdir()) == []

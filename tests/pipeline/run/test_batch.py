@@ -2,7 +2,6 @@
 
 import logging
 import zipfile
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -101,23 +100,6 @@ def test_two_workers_give_the_same(folder, in_memory, tmp_path):
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
-@pytest.mark.slow
-def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tmp_path):
-    with ThreadPoolExecutor(3) as threads:
-        assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=threads))
-        assert threads.submit(abs, -1).result() == 1
-    assert_contents(tmp_path / "results.h5", in_memory)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("verb", OTHERS)
-def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, verb):
-    files = [folder / f"r{number}.AT2" for number in range(3)]
-    for workers in (1, 2):
-        OTHERS[verb][1](files, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
-    assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
-
-
 @pytest.mark.sweep
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     started = []
@@ -211,19 +193,6 @@ def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, ca
     with pytest.raises(RecordRefused, match="no record could be calibrated"):
         calibrate_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1))
     assert fragility_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1)).path is None
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_lost_workers_of_an_executor_stop_the_run(folder, tmp_path):
-    class Gone(Executor):
-        def submit(self, fn, /, *args, **kwargs):
-            future = Future()
-            future.cancel()
-            future.set_running_or_notify_cancel()
-            return future
-
-    with pytest.raises(ConnectionError, match=r"cancelled from outside.*; nothing was finished yet"):
-        assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=Gone()))
     assert list(tmp_path.iterdir()) == []
 
 

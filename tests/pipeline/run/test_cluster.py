@@ -19,7 +19,7 @@ import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.errors import ConfigError
 from rockpulse.run import worker_pool
-from rockpulse.run.worker_pool import WorkerLost, WorkerPool
+from rockpulse.run.worker_pool import WorkerPool
 
 SQUARES = [(number, number**2) for number in range(40)]
 
@@ -64,25 +64,6 @@ def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_cha
         monkeypatch.setattr(worker_pool, "__version__", "99.0")
         with pytest.raises(ConfigError, match=r"dask worker tcp://.* expected rockpulse 99\.0, found '\d"):
             WorkerPool.scheduler(address, timeout=300.0)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("needs_distributed")
-def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error(tmp_path):
-    with (
-        dask_cluster(tmp_path, workers=3) as (address, scheduler, _),
-        WorkerPool.scheduler(address, timeout=300.0) as pool,
-    ):
-        wait_for_workers(pool, 3)
-        ((_, lost),) = pool.run(toys.kill_itself, [3])
-        assert isinstance(lost, WorkerLost)
-        assert "died" in lost.reason
-        wait_for_workers(pool, 1)
-        results = pool.run(toys.slow_square, range(1000))
-        next(results)
-        scheduler.kill()
-        with pytest.raises(ConnectionError, match="scheduler"):
-            list(results)
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow)])

@@ -94,12 +94,10 @@ FORGED = {
     "no shape": lambda part: (headed('[["a", 3]]'),),
     "a hundred terabytes of texts without a letter": lambda part: (headed('[["a", "U0", [100000000000000]]]'),),
     "an array fewer": lambda part: (without("/summary/pga", part),),
-    "an array more": lambda part: (pack({**part, "/summary/more": np.zeros(1)}),),
     "a row more in one array": lambda part: (pack({**part, "/summary/pga": np.zeros(2)}),),
     "another shape": lambda part: (pack({**part, "/summary/peak_rotation_ratio": np.zeros((1, 7, 7))}),),
     "a number as such": lambda part: (pack({**part, "/summary/pga": np.array(1.0)}),),
     "texts for numbers": lambda part: (pack({**part, "/summary/pga": np.array(["1"])}),),
-    "numbers for texts": lambda part: (pack({**part, "/summary/source": np.array([1.0])}),),
     "a sound and a wrong one": lambda part: (pack(part), without("/summary/pga", part)),
 }
 

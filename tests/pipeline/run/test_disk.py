@@ -2,8 +2,6 @@
 
 import re
 import shutil
-import tempfile
-from pathlib import Path
 
 import pytest
 from batch_runs import command, names, records_in
@@ -94,17 +92,3 @@ def test_a_place_that_takes_no_results_is_refused_at_once(folder, tmp_path, caps
     assert str(tmp_path / target) in said
     assert names(tmp_path) == ["file", "folder"]
     assert (tmp_path / "file").read_text() == "mine"
-
-
-@pytest.mark.slow
-def test_the_output_may_lie_on_another_disk_than_temporary_files(folder, tmp_path, undisturbed, monkeypatch):
-    shared = Path("/dev/shm")
-    if not shared.is_dir() or shared.stat().st_dev == tmp_path.stat().st_dev:
-        pytest.skip("no second file system at /dev/shm")
-    with tempfile.TemporaryDirectory(dir=shared) as place:
-        monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-        monkeypatch.setenv("TMPDIR", str(tmp_path))
-        assert command(folder, Path(place) / "results.h5", "--quiet") == 0
-        assert_contents(Path(place) / "results.h5", undisturbed)
-        assert names(place) == ["results.h5"]
-    assert names(tmp_path) == []

@@ -124,17 +124,6 @@ def test_a_stopped_run_is_neither_dropped_nor_resumed_unasked(target):
         assert journal.finished() == {}
 
 
-@pytest.mark.sweep
-def test_the_second_run_on_one_output_is_refused(target):
-    with Journal.open(target) as journal:
-        journal.add(done("a"))
-        for options in ({}, {"resume": True}, {"overwrite": True}):
-            with pytest.raises(ResultsError, match="is writing this output"):
-                Journal.open(target, **options)
-        journal.add(done("b"))
-        assert set(journal.finished()) == {"a", "b"}
-
-
 def in_process(script, *args):
     """A process that runs a script and then waits for its input to end."""
     command = [sys.executable, "-c", textwrap.dedent(script), *map(str, args)]

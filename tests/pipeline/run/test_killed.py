@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -56,45 +55,9 @@ def command(folder, target, *options):
     return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
 
 
-def start(folder, target, point, number, *options):
-    """The run in a process group of its own, as a terminal starts one."""
-    given = command(folder, target, *options)
-    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *given]
-    return subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE)
-
-
-def struck(folder, target, point, number, workers=1):
-    """Exit code and messages of a run that is struck at a point; without workers it is a fork of this process.
-
-    Of a run with workers no process is left.
-    """
-    if workers == 1:
-        return in_a_fork(lambda: run(point, number, command(folder, target, "--workers", "1")), target)
-    process = start(folder, target, point, number, "--workers", str(workers))
-    _, said = process.communicate(timeout=300)
-    assert_nobody_is_left(process.pid)
-    return process.returncode, said
-
-
-def members(group: int) -> list[int]:
-    """Process ids of a group that live, other than zombies."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            text = stat.read_text()
-        except (FileNotFoundError, ProcessLookupError):
-            continue  # it has ended meanwhile
-        state, _, pgrp = text.rpartition(")")[2].split()[:3]
-        if int(pgrp) == group and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
-
-
-def assert_nobody_is_left(group, seconds=300.0):
-    end = time.monotonic() + seconds
-    while members(group) and time.monotonic() < end:
-        time.sleep(0.05)
-    assert members(group) == []
+def struck(folder, target, point, number):
+    """Exit code and messages of a run, in a fork of this process, that is struck at a point."""
+    return in_a_fork(lambda: run(point, number, command(folder, target, "--workers", "1")), target)
 
 
 def assert_resumed(folder, target, undisturbed, *options):
@@ -104,11 +67,11 @@ def assert_resumed(folder, target, undisturbed, *options):
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.sweep), pytest.param(2, marks=pytest.mark.slow)])
-def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed, workers):
+@pytest.mark.sweep
+def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed):
     target, log = tmp_path / "out" / "results.h5", tmp_path / "log"
     target.parent.mkdir()
-    assert struck(folder, target, "record", 3, workers)[0] == -signal.SIGKILL
+    assert struck(folder, target, "record", 3)[0] == -signal.SIGKILL
     assert not target.exists()
     assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
     assert "assessing 3 records; finished before: 3, to be repeated: 0" in log.read_text()
@@ -132,18 +95,13 @@ def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undi
     assert_resumed(folder, target, undisturbed, "--workers", "1")
 
 
-INTERRUPTIONS = [
-    pytest.param("interrupt", 1, marks=pytest.mark.sweep),
-    pytest.param("interrupt", 2, marks=pytest.mark.slow),
-    pytest.param("terminate", 1, marks=pytest.mark.slow),
-]
-
-
-@pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)
-def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point, workers):
+@pytest.mark.parametrize(
+    "point", [pytest.param("interrupt", marks=pytest.mark.sweep), pytest.param("terminate", marks=pytest.mark.slow)]
+)
+def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point):
     target = tmp_path / "out" / "results.h5"
     target.parent.mkdir()
-    code, said = struck(folder, target, point, 2, workers)
+    code, said = struck(folder, target, point, 2)
     assert code == 130
     assert re.fullmatch(
         r"rockpulse: interrupted; [2-6] finished records are kept in .*results.h5.journal: the same command with "
@@ -201,45 +159,3 @@ def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(
     assert found["steps"] > 100
     assert found["cases"] == 2 * len(range(first, found["steps"] + 1, every))
     assert found["wrong"] == [], done.stderr[-3000:]
-
-
-def is_worker(process):
-    try:
-        return "spawn_main" in Path(f"/proc/{process}/cmdline").read_text()
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-
-
-def spent(process):
-    """Time of the processor that a process has had [s]; none when it has ended."""
-    try:
-        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    except (FileNotFoundError, ProcessLookupError):
-        return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def kill_a_worker(folder, target, seconds):
-    """Run with two workers, one of which is killed when it has worked so long on records; whether it came to that."""
-    log = target.with_suffix(".log")
-    process = start(folder, target, "record", 1000, "--workers", "2", "--log-file", str(log))
-    while process.poll() is None and not (log.is_file() and "INFO assessing" in log.read_text()):
-        time.sleep(0.01)
-    begun = {one: spent(one) for one in members(process.pid) if is_worker(one)}
-    busy = []
-    while process.poll() is None and not busy:
-        busy = [one for one, before in begun.items() if spent(one) - before >= seconds]
-        time.sleep(0.01)
-    if busy and process.poll() is None:
-        os.kill(busy[0], signal.SIGKILL)
-    code = process.wait(300)
-    process.stderr.close()
-    assert code == 1  # as ever: one file is damaged
-    return bool(busy)
-
-
-@pytest.mark.slow
-def test_a_worker_that_is_killed_at_work_changes_nothing(folder, tmp_path, undisturbed):
-    target = tmp_path / "results.h5"
-    assert kill_a_worker(folder, target, 0.1)
-    assert_contents(target, undisturbed)

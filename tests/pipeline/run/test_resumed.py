@@ -217,32 +217,3 @@ def test_whether_a_message_tells_of_resuming_survives_pickling(error):
 
 def interrupted(*args):
     raise KeyboardInterrupt
-
-
-def stopped_after_writing(paths, output, monkeypatch):
-    """Killed when the file had its name and its journal was still there."""
-
-    def killed(self):
-        raise SystemExit
-
-    with monkeypatch.context() as patch:
-        patch.setattr(run.Journal, "remove", killed)
-        with pytest.raises(SystemExit):
-            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
-
-
-@pytest.mark.slow
-def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(folder, tmp_path, monkeypatch):
-    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
-    resume = BatchOptions(workers=1, resume=True)
-    stopped_after_writing(paths, output, monkeypatch)
-    report = assess_files(paths, CONFIG, output, resume)
-    assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
-    assert not journal_path(output).exists()
-
-    output.unlink()
-    stopped_after_writing(paths, output, monkeypatch)
-    wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
-    assert assess_files(paths[:2], wider, output, resume).resumed == 0
-    found = contents(output)
-    assert (len(found["summary/record"]["values"]), found["summary/block"]["values"].tolist()) == (2, [b"wide"])

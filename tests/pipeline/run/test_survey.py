@@ -86,11 +86,6 @@ def test_every_format_is_surveyed_as_it_is_read(samples):
     assert len(assert_same(samples.parent / "formats", ReadOptions(units="g"))) > 30
 
 
-@pytest.mark.slow
-def test_real_records_are_surveyed_as_they_are_read(records_folder):
-    assert len(assert_same(records_folder)) > 50
-
-
 def test_parts_that_do_not_join_keep_their_warning(folder):
     (folder / "curicoparte2.v1").rename(folder / "curicoparte3.v1")
     located = assert_same(folder)
@@ -129,18 +124,6 @@ def test_a_file_that_has_changed_gives_no_samples(tmp_path, change):
     assert one.read(OPTIONS).npts == 400
     path.write_bytes(change(path.read_bytes()))
     with pytest.raises(RecordRefused, match=r"^[^:]*a.AT2 has changed since .* --resume"):
-        one.read(OPTIONS)
-
-
-def test_a_file_that_is_gone_or_damaged_since_says_so(tmp_path):
-    path = tmp_path / "a.AT2"
-    path.write_bytes(at2(pulse()))
-    (one,), _ = surveyed(path)
-    path.write_bytes(b"")
-    with pytest.raises(ValueError, match="the file is empty"):
-        one.read(OPTIONS)
-    path.unlink()
-    with pytest.raises(FileNotFoundError):
         one.read(OPTIONS)
 
 
@@ -195,15 +178,6 @@ def test_the_members_of_an_archive_are_unpacked_once_each_and_the_archive_opened
     survey._archive.cache_clear()
     assert [one.read(OPTIONS).npts for one in located] == [400] * 12
     assert calls == {"open": 1, "member": 12}
-
-
-def test_the_channels_of_a_file_are_read_together(samples, monkeypatch):
-    located, _ = surveyed(samples / "CICCC.RAW")
-    survey._channels.cache_clear()
-    read, times = survey.read_source, []
-    monkeypatch.setattr(survey, "read_source", lambda *given: times.append(1) or read(*given))
-    assert [one.read(OPTIONS).channel for one in located] == ["360", "90", "Up"]
-    assert len(times) == 1
 
 
 @pytest.mark.parametrize(

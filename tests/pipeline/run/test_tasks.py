@@ -22,7 +22,6 @@ from rockpulse import (
     RecordSettings,
     SearchSettings,
 )
-from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import Assessment, assess
 from rockpulse.assessment.tree import joined_parts
 from rockpulse.readers.folders import find_files, read_all
@@ -30,7 +29,7 @@ from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import survey_file
-from rockpulse.run.tasks import carry_out, packed_tasks, read_options, tasks_of
+from rockpulse.run.tasks import carry_out, read_options, tasks_of
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -70,21 +69,7 @@ def planned(paths, analysis):
     found, failures = find_files(paths)
     located, rows = gathered([survey_file(one, read_options(analysis.config)) for one in found], failures)
     plan = analysis.plan([one.record for one in located], rows)
-    return tasks_of(plan.planned, located, analysis.config, analysis.name), plan
-
-
-def test_packed_tasks_are_the_tasks_in_less_memory(two_files):
-    analysis = Assessment(CHEAP)
-    found, failures = find_files(two_files)
-    located, rows = gathered([survey_file(one, read_options(CHEAP)) for one in found], failures)
-    motions = analysis.plan([one.record for one in located], rows).planned
-    tasks = tasks_of(motions, located, CHEAP, "assess")
-    packed = packed_tasks(motions, located, CHEAP, "assess")
-    assert (motions, located) == ([], [])
-    for one, task in zip(packed, tasks, strict=True):
-        assert (one.key, one.fingerprint, one.source) == (task.key, task.fingerprint, task.source)
-        assert pickle.dumps(pickle.loads(pickle.dumps(one)).task) == pickle.dumps(pickle.loads(pickle.dumps(task)))
-        assert len(one.content) < 0.4 * len(pickle.dumps(task))
+    return tasks_of([*plan.planned], located, analysis.config, analysis.name), plan
 
 
 def function_of(analysis):
@@ -199,28 +184,6 @@ def test_a_file_that_changed_or_vanished_since_the_survey_is_a_row(one_task, cha
     (row,) = done.failures
     assert (row.file, row.stage, row.kind) == (str(path), "read", "failed")
     assert reason in row.reason
-
-
-@pytest.mark.parametrize(
-    ("fault", "reason"),
-    [
-        (KeyError("x"), "a.090: unexpected KeyError: 'x'; please report"),
-        (MemoryError(), "a.090: out of memory; use fewer workers"),
-    ],
-)
-def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task, monkeypatch, fault, reason):
-    path, task, function = one_task
-
-    def faulty(*given):
-        raise fault
-
-    monkeypatch.setattr(assessment, "record_part", faulty)
-    done = function(task)
-    assert (done.fingerprint, done.parts) == (UNFINISHED, ())
-    (row,) = done.failures
-    assert (row.file, row.stage, row.kind) == (str(path), "assess", "failed")
-    assert reason in row.reason
-    assert any(level == logging.ERROR and "Traceback" in text for _, level, text in done.messages)
 
 
 def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):

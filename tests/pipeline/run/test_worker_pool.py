@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future
 from pathlib import Path
 
 import pool_functions as toys
@@ -254,14 +254,16 @@ def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch
         list(pool.run(toys.square, [3]))
 
 
-def test_any_executor_will_do_and_stays_open():
-    with ThreadPoolExecutor(2) as executor:
-        with WorkerPool.through(executor) as pool:
-            assert pool.size >= 1
-            assert sorted(pool.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
-            with pytest.raises(KeyError, match="three"):
-                list(pool.run(toys.refuse, range(5)))
-        assert executor.submit(toys.square, 4).result() == 16
+def test_work_that_is_cancelled_from_outside_is_an_error():
+    class Gone(Executor):
+        def submit(self, fn, /, *args, **kwargs):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    with pytest.raises(ConnectionError, match="cancelled from outside"):
+        list(WorkerPool(Gone(), lambda: 1).run(toys.square, [1]))
 
 
 def test_a_pool_has_at_least_one_worker():
@@ -279,13 +281,6 @@ def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(
         found = {name: pool.submit(os.getenv, name).result() for name in ALGEBRA}
     assert found == dict.fromkeys(ALGEBRA, "1") | {"OPENBLAS_NUM_THREADS": "3"}
     assert dict(os.environ) == before
-
-
-@pytest.mark.sweep
-def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pair):
-    answers = dict(pair.run(toys.killed_while_answering, range(8)))
-    assert isinstance(answers.pop(3), WorkerLost)
-    assert answers == {number: bytes(20_000) for number in range(8) if number != 3}
 
 
 def test_a_group_that_is_given_up_costs_each_of_its_items_a_second_try_and_no_neighbour():

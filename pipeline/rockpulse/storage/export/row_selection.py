@@ -1,10 +1,10 @@
 """Selection of rows of a results file by name and condition, with sorting and a limit."""
 
-import fnmatch
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from typing import Any, Self
 
 import numpy as np
@@ -82,14 +82,11 @@ class Condition:
     def _named(self, texts: np.ndarray) -> np.ndarray:
         """Return a mask of the strings that match one of the alternatives of the condition."""
         every, inverse = np.unique(texts, return_inverse=True)
-        known = every.tolist()
+        known = set(every.tolist())
         # A text may contain pattern characters, such as the brackets of "wall [north]" or the "|" of "A|B".
         several = [self.value] if self.value in known else [part.strip() for part in self.value.split("|")]
-        met = np.zeros(every.size, dtype=bool)
-        for one in several:
-            matches = re.compile(fnmatch.translate(one)).match
-            met |= every == one if one in known else [matches(text) is not None for text in known]
-        return met[inverse].reshape(texts.shape)
+        met = [any(text == one if one in known else fnmatchcase(text, one) for one in several) for text in every]
+        return np.array(met, dtype=bool)[inverse].reshape(texts.shape)
 
     def _number(self, value: str, words: Mapping[int, str]) -> float:
         codes = {name: code for code, name in words.items()}
@@ -135,9 +132,9 @@ def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str)
     exact = {label: place for place, label in enumerate(known)}
     found: set[int] = set()
     for pattern in patterns:
-        matches = re.compile(fnmatch.translate(pattern)).match
         # A label may contain pattern characters, such as the brackets of "wall [north]".
-        places = [exact[pattern]] if pattern in exact else [at for at, label in enumerate(known) if matches(label)]
+        matching = (at for at, label in enumerate(known) if fnmatchcase(label, pattern))
+        places = [exact[pattern]] if pattern in exact else [*matching]
         if not places:
             raise unknown(pattern, known, what)
         found.update(places)

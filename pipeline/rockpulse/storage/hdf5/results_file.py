@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
@@ -149,13 +149,15 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 
 @contextmanager
-def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Convert errors caused by a damaged file to ResultsError, in a ``with`` block."""
+def damage_reported(
+    path: str | os.PathLike[str], damage: tuple[type[Exception], ...] = (KeyError, ValueError, TypeError)
+) -> Iterator[None]:
+    """Convert errors of HDF5, and others by which `damage` shows, to ResultsError, in a ``with`` block."""
     try:
         yield
-    except RockpulseError:
-        raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+    except (OSError, RuntimeError, *damage) as error:
+        if isinstance(error, RockpulseError) or getattr(error, "errno", None) is not None:  # not an error of HDF5
+            raise
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
@@ -236,17 +238,9 @@ class ResultsFile:
             {"/": xr.Dataset(attrs=self.attrs), **{f"/{name}": self.dataset(name) for name in chosen}}
         )
 
-    @contextmanager
-    def reading(self) -> Iterator[None]:
+    def reading(self) -> AbstractContextManager[None]:
         """Convert errors of HDF5, which mean that the file is damaged, to ResultsError, in a ``with`` block."""
-        try:
-            yield
-        except (OSError, RuntimeError) as error:
-            if getattr(error, "errno", None) is not None:  # an error of the file system, not of HDF5
-                raise
-            raise ResultsError(
-                f"{self.path}: the results file is damaged ({error}); run the assessment again"
-            ) from error
+        return damage_reported(self.path, ())
 
 
 def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:

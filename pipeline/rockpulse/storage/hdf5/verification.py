@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, Vari
 
 #: Amount of data that is read at once [bytes].
 CHUNK = 32 * 1024**2
+NO_CHECKSUMS = "the file has no checksums: it was written by another program"
 
 
 @dataclass(frozen=True)
@@ -38,15 +39,6 @@ class Verification:
     differences: tuple[str, ...]  # one sentence for each change; empty without changes
 
 
-@dataclass(frozen=True)
-class _Listed:
-    """The content of an open file by path: variables, their dimensions, and attributes of groups and variables."""
-
-    variables: dict[str, h5py.Dataset] = field(default_factory=dict)
-    attrs: dict[str, dict[str, Any]] = field(default_factory=dict)
-    dimensions: dict[str, tuple[str, ...]] = field(default_factory=dict)
-
-
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
@@ -55,13 +47,11 @@ def verify(
     `progress` is called with each list that is processed, and returns an iterable of its items.
     """
     with checked(path) as (hdf5, kind, _), damage_reported(path):
-        file = _listed(hdf5)
-        root = file.attrs["/"]
-        schema = str(root["schema_version"])
-        differences, count = _wrong_checksums(file, progress)
-        differences += [*missing_variables(file.variables, kind), *wrong_variables(file.variables, kind)]
+        variables, differences = _wrong_checksums(hdf5, progress)
+        count = 0 if differences == [NO_CHECKSUMS] else len(variables)
+        differences += [*missing_variables(variables, kind), *wrong_variables(variables, kind)]
         stored = stored_checksums(hdf5) if inputs else []
-        folders = record_folders(str(root.get("configuration", "")))
+        schema, folders = str(hdf5.attrs["schema_version"]), record_folders(str(hdf5.attrs.get("configuration", "")))
     sources = input_files(stored)
     places = {existing_path(name, folders): name for name in sources}
     absent: list[str] = []
@@ -76,42 +66,38 @@ def verify(
     return Verification(kind, schema, count, len(sources) - len(absent), tuple(absent), tuple(differences))
 
 
-def _listed(hdf5: h5py.File) -> _Listed:
-    """List the content of a file; a dimension without a name (in files of other programs) is listed as "?"."""
-    file = _Listed()
+def _wrong_checksums(
+    hdf5: h5py.File, progress: Callable[[list[Any]], Any]
+) -> tuple[dict[str, h5py.Dataset], list[str]]:
+    """Return the variables of a file by path, and a sentence for each that differs from its checksum."""
+    attrs = {group.name: attributes(group) for group in groups_of(hdf5)}
+    variables: dict[str, h5py.Dataset] = {}
+    dimensions: dict[str, tuple[str, ...]] = {}
     for group in groups_of(hdf5):
-        file.attrs[group.name] = attributes(group)
         for variable in variables_of(group):
             path = f"{group.name.rstrip('/')}/{variable.name}"
-            file.variables[path] = variable.stored
-            file.attrs[path] = attributes(variable.stored)
+            variables[path], attrs[path] = variable.stored, attributes(variable.stored)
             try:
-                file.dimensions[path] = variable.dimensions()
-            except ValueError:
-                file.dimensions[path] = ("?",)
-    return file
-
-
-def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
-    of_all = file.attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
-    if of_all is None and not any(CHECKSUM in file.attrs[path] for path in file.variables):
-        return ["the file has no checksums: it was written by another program"], 0
+                dimensions[path] = variable.dimensions()
+            except ValueError:  # a dimension without a name, in files of other programs
+                dimensions[path] = ("?",)
+    of_all = attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
+    if of_all is None and not any(CHECKSUM in attrs[path] for path in variables):
+        return variables, [NO_CHECKSUMS]
     found = []
-    for path in progress(list(file.variables)):
-        stored = file.attrs[path].get(CHECKSUM)
+    for path in progress(list(variables)):
+        stored = attrs[path].get(CHECKSUM)
         if stored is None:
             found.append(f"variable {path}: it has no checksum; it was added later")
             continue
         try:
-            same = _checksum(file.variables[path]) == stored
+            if _checksum(variables[path]) != stored:
+                found.append(f"variable {path}: its values were changed")
         except (OSError, RuntimeError, ValueError) as error:
             found.append(f"variable {path}: it cannot be read ({error})")
-            continue
-        if not same:
-            found.append(f"variable {path}: its values were changed")
-    if attributes_checksum(file.attrs, file.dimensions) != of_all:
+    if attributes_checksum(attrs, dimensions) != of_all:
         found.append("attributes, or the names or dimensions of variables, were changed")
-    return found, len(file.variables)
+    return variables, found
 
 
 def _checksum(variable: h5py.Dataset) -> str:
@@ -129,12 +115,10 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
     """Return two strings for every record of a results file: names of its input files, and their SHA-256."""
-    groups = [
-        item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
-    ]
     return [
         pair
-        for group in groups
+        for group in hdf5.values()
+        if isinstance(group, h5py.Group) and {"source", "source_sha256"} <= set(group)
         for pair in zip(group["source"].asstr()[:], group["source_sha256"].asstr()[:], strict=True)
         if pair[1]
     ]

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, Self
 import h5py
 import numpy as np
 
-from rockpulse.storage.hdf5.netcdf4 import HIDDEN, NO_VARIABLE, NOT_A_COORDINATE
+from rockpulse.foreign_text import in_utf8
+from rockpulse.storage.hdf5.netcdf4 import HIDDEN, NO_VARIABLE, NOT_A_COORDINATE, attributes, groups_of
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
@@ -31,16 +32,14 @@ class TreeWriter:
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
         self._path = path
         self._hdf5 = h5py.File(path, "w", track_order=True)  # as in netCDF
-        self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # attributes of groups and variables, by path
         self._sizes: dict[str, dict[str, int]] = {}
         self._dims: dict[str, tuple[str, ...]] = {}
         self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # scales of dimensions, by group and name
         self._numbers: dict[tuple[str, str], int] = {}  # numbers of dimensions, by group and name
         self._variables: dict[str, h5py.Dataset] = {}
-        self._shapes: dict[str, tuple[int, ...]] = {}
-        self._written: dict[str, int] = {}
+        self._written: dict[str, int] = {}  # number of values along the first dimension
         self._checksums: dict[str, VariableChecksum] = {}
-        self._set("/", self._hdf5, attrs)
+        self._set(self._hdf5, attrs)
 
     def __enter__(self) -> Self:
         return self
@@ -61,12 +60,11 @@ class TreeWriter:
         for name, size in sizes.items():
             self._numbers[path, name] = len(self._numbers)
             self._make_scale(path, name, self._create(_joined(path, name), (size,), ">f4"), f"{NO_VARIABLE}{size:10}")
-        self._set(path, group, attrs)
+        self._set(group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
         """Add a variable, such as "/summary/pga"; its values are written later. `dtype` may be a string type."""
-        group, _, name = path.rpartition("/")
-        group = group or "/"
+        group, name = _apart(path)
         if dtype.kind == "b":
             raise TypeError(f"{path}: expected numbers or strings, found True or False, which netCDF cannot store")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
@@ -85,15 +83,15 @@ class TreeWriter:
             variable.attrs["_Netcdf4Coordinates"] = numbers
             if shape[0] and dims != (name,):
                 variable.attrs["_Netcdf4Dimid"] = numbers[0]
-        self._variables[path], self._dims[path], self._shapes[path] = variable, dims, shape
-        self._written[path] = 0
+        self._variables[path], self._dims[path], self._written[path] = variable, dims, 0
         self._checksums[path] = VariableChecksum(dtype, shape)
-        self._set(path, variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
+        self._set(variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
 
     def append(self, path: str, values: np.ndarray) -> None:
         """Write the next values of a variable along its first dimension, or the value of a scalar variable."""
         values = np.asarray(values)
-        shape, begin = self._shapes[path], self._written[path]
+        variable, begin = self._variables[path], self._written[path]
+        shape = variable.shape
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
             raise ValueError(
                 f"{path}: expected values that fit {shape} from index {begin} on, found the shape {values.shape}"
@@ -102,11 +100,11 @@ class TreeWriter:
             values = np.array([in_utf8(str(text)) for text in values.ravel().tolist()], object).reshape(values.shape)
         self._checksums[path].add(values)
         if not shape:
-            self._variables[path][...] = values[()]
+            variable[...] = values[()]
             return
         self._written[path] = begin + len(values)
         if values.size:
-            self._variables[path][begin : begin + len(values)] = values
+            variable[begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
         """Read the values already written at the indices `begin` to `end` - 1 of the first dimension of a variable."""
@@ -118,11 +116,13 @@ class TreeWriter:
     def _complete(self) -> None:
         """Write the checksums and the name of this program to the file."""
         for path, checksum in self._checksums.items():
-            shape = self._shapes[path]
-            if shape and self._written[path] != shape[0]:
-                raise ValueError(f"{path}: expected {shape[0]} values, found {self._written[path]}")
-            self._set(path, self._variables[path], {CHECKSUM: checksum.hexdigest()})
-        self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: attributes_checksum(self._attrs, self._dims)})
+            variable = self._variables[path]
+            if variable.shape and self._written[path] != len(variable):
+                raise ValueError(f"{path}: expected {len(variable)} values, found {self._written[path]}")
+            variable.attrs[CHECKSUM] = checksum.hexdigest()
+        attrs = {group.name: attributes(group) for group in groups_of(self._hdf5)}
+        attrs |= {path: attributes(variable) for path, variable in self._variables.items()}
+        self._hdf5.attrs[CHECKSUM_OF_ATTRIBUTES] = attributes_checksum(attrs, self._dims)
         versions = f"version=2,rockpulse={__version__},hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
         self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
 
@@ -143,7 +143,7 @@ class TreeWriter:
         attached = [
             (self._variables[path].id, dims.index(dim))
             for path, dims in self._dims.items()
-            if dim in dims and (path.rpartition("/")[0] or "/") == group
+            if dim in dims and _apart(path)[0] == group
         ]
         for variable, axis in attached:
             h5py.h5ds.detach_scale(variable, before.id, axis)
@@ -155,20 +155,19 @@ class TreeWriter:
             h5py.h5ds.attach_scale(variable, scale.id, axis)
         return scale
 
-    def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
+    def _set(self, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
         """Write attributes of a group or variable; a number becomes an array of one element, as netCDF requires."""
-        held, stored = self._attrs.setdefault(path, {}), item.attrs
         for key, value in attrs.items():
             name = str(key)
             if name in HIDDEN:
-                raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF reserves")
+                raise ValueError(f"{item.name}: an attribute cannot have the name {name!r}, which netCDF reserves")
             if np.asarray(value).dtype.kind == "b":
-                raise TypeError(f"{path}: attribute {name!r}: expected numbers or strings, found True or False")
+                raise TypeError(f"{item.name}: attribute {name!r}: expected numbers or strings, found True or False")
             if isinstance(value, str):
                 value = in_utf8(value)
             elif np.isscalar(value) and not isinstance(value, bytes):
                 value = np.array([value])
-            held[name] = stored[name] = value
+            item.attrs[name] = value
 
     def _close(self, error: BaseException | None) -> None:
         """Close the file; after an error, first cut it to zero bytes. Raise OSError if it could not be written."""
@@ -216,13 +215,13 @@ def add_dataset(
         )
 
 
-def in_utf8(text: str) -> str:
-    """Return a string that HDF5 can store; bytes that are not UTF-8 become the replacement character."""
-    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
-
-
 def _joined(path: str, name: Any) -> str:
     return f"{path.rstrip('/')}/{name}"
+
+
+def _apart(path: str) -> tuple[str, str]:
+    group, _, name = path.rpartition("/")
+    return group or "/", name
 
 
 #: Name of the attribute of a variable that contains its checksum.
@@ -242,7 +241,8 @@ class VariableChecksum:
     def add(self, values: np.ndarray) -> None:
         """Add the next values to the checksum."""
         if self._text:
-            self._hash.update(b"".join(_bytes(text) + b"\0" for text in values.ravel().tolist()))
+            texts = (text.encode() if isinstance(text, str) else text for text in values.ravel().tolist())
+            self._hash.update(b"".join(text + b"\0" for text in texts))
         else:
             self._hash.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data)
 
@@ -268,7 +268,3 @@ def _of_value(value: Any) -> str:
     checksum = VariableChecksum(values.dtype, values.shape)
     checksum.add(values)
     return checksum.hexdigest()
-
-
-def _bytes(text: str | bytes) -> bytes:
-    return text.encode() if isinstance(text, str) else text

@@ -108,6 +108,12 @@ def along(
     return found
 
 
+def with_ends(name: str, declared: StoredVariable, **ends: str) -> dict[str, StoredVariable]:
+    """Declare a variable and the ends of its interval, such as `low` and `high`, each with its meaning."""
+    others = {f"{name}_{end}": replace(declared, long_name=words, explanation="") for end, words in ends.items()}
+    return {name: declared, **others}
+
+
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
     """Return every declared variable with its values; KeyError unless `values` contains exactly the declared names."""
     lacking, undeclared = (

@@ -10,7 +10,7 @@ from rocking.body.limits import RATES
 from rocking.body.restraint import TieState
 from rocking.response import Outcome
 from rockpulse.config.configuration import Config
-from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
+from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real, with_ends
 
 #: Name of the mean over directions of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
@@ -46,17 +46,9 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """Declare a variable and the lower and upper limit of its 90 % interval."""
-    meanings = {
-        name: long_name,
-        f"{name}_low": f"lower end of the 90 % interval of {name}",
-        f"{name}_high": f"upper end of the 90 % interval of {name}",
-    }
-    explanations = {name: explanation}
-    return {
-        key: real(words, of_ground=True, explanation=explanations.get(key, ""), comment=_comment)
-        for key, words in meanings.items()
-    }
+    low, high = (f"{end} end of the 90 % interval of {name}" for end in ("lower", "upper"))
+    declared = real(long_name, of_ground=True, explanation=explanation, comment=_comment)
+    return with_ends(name, declared, low=low, high=high)
 
 
 PROBABILITY: Declared = {

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from rockpulse.record.measures import STORED_LEVELS
-from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, real, text, whole
+from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, real, text, whole, with_ends
 from rockpulse.storage.variables.probability import SPECTRUM_AXES
 from rockpulse.storage.variables.summary import FACTS
 
@@ -27,16 +27,11 @@ OF_RECORDS: Declared = along(
 
 
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
-    """Declare a variable and the lower and upper limit of its confidence interval."""
-    return {
-        name: real(meaning, units, explanation=explanation),
-        **{
-            f"{name}_{end}": real(
-                f"{end} end of the interval of `{name}`, from resampled earthquakes; NaN with one earthquake", units
-            )
-            for end in ("lower", "upper")
-        },
-    }
+    lower, upper = (
+        f"{end} end of the interval of `{name}`, from resampled earthquakes; NaN with one earthquake"
+        for end in ("lower", "upper")
+    )
+    return with_ends(name, real(meaning, units, explanation=explanation), lower=lower, upper=upper)
 
 
 #: Variables of the site, its records, bodies and earthquakes. Values from too few earthquakes are NaN.

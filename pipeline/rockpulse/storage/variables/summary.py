@@ -23,16 +23,17 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
+def _time(name: str) -> Callable[[Any], str]:
+    return lambda one: "" if (time := getattr(one.record, name)) is None else time.isoformat()
+
+
 #: Variables of the earthquake and the site of a record, with the names of its fields; every study stores them. Their
 #: values are taken from an object with the attribute `record`.
 FACTS: Declared = along(
     ("record",),
     _of_record,
     event_id=text("event ID of the agency"),
-    origin_time=text(
-        "UTC time of the earthquake, ISO 8601",
-        lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
-    ),
+    origin_time=text("UTC time of the earthquake, ISO 8601", _time("origin_time")),
     magnitude=real("magnitude of the earthquake"),
     magnitude_type=text("scale of the magnitude as stated in the file: Mw, ML"),
     hypocentre_latitude=real("latitude of the hypocentre", "degrees_north"),
@@ -52,31 +53,14 @@ def facts_of(one: Any) -> dict[str, Any]:
     return {name: fact.take(one) for name, fact in FACTS.items() if fact.take is not None}
 
 
-def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable[[Any], Any]:
-    return lambda one: absent if one.sequence is None else take(one.sequence)
+def _of_sequence(name: str, absent: float = np.nan) -> Callable[[Any], Any]:
+    """Return a function that reads a field of the sequence; `absent` without a sequence, or if the field is None."""
+    return lambda one: absent if (value := getattr(one.sequence, name, None)) is None else value
 
 
-#: Functions that return the values of variables that are not fields of a record, from an assessed record.
-_OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
-    "event": None,  # known only after all records are read
-    "event_title": _of_record("event"),
-    "start_time": lambda one: "" if one.record.start_time is None else one.record.start_time.isoformat(),
-    "intense_start": lambda one: one.scene.phase.start,
-    "intense_end": lambda one: one.scene.phase.end,
-    "main_impulse": _of_sequence(lambda sequence: float(sequence.main)),
-    "secondary_impulse": _of_sequence(lambda sequence: float(sequence.secondary)),
-    "secondary_interval": _of_sequence(lambda sequence: float(sequence.interval)),
-    "sequence_duration": _of_sequence(lambda sequence: float(sequence.duration)),
-    "main_count": _of_sequence(lambda sequence: -1 if sequence.main_count is None else int(sequence.main_count), -1),
-    "spacing": _of_sequence(lambda sequence: SPACINGS.index(sequence.spacing), NOT_KNOWN),
-    "half_wave_count": lambda one: one.scene.waves.impulse.size,
-    "warnings": lambda one: with_codes(one.record.warnings)[0],
-    "warning_codes": lambda one: with_codes(one.record.warnings)[1],
-    "processing": lambda one: "\n".join(one.record.processing),
-    "vertical_channel": lambda one: (
-        "" if (acting := find(one.record.processing, "vertical_acceleration")) is None else str(acting.values["record"])
-    ),
-}
+def _vertical_channel(one: Any) -> str:
+    acting = find(one.record.processing, "vertical_acceleration")
+    return "" if acting is None else str(acting.values["record"])
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
@@ -90,21 +74,11 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
     """Return a function that reads an integer result of the search for scale factors; -1 if no search was made."""
-    return _per_model(
-        lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
-    )
+    return _per_model(lambda one, model: np.where(np.isnan(_factor(one, model)), -1, getattr(one.scales[model], name)))
 
 
-#: Functions that return the values of variables that are not fields of a response, from an assessed record.
-_OF_ANSWER: dict[str, Callable[[Any], Any]] = {
-    "safety_factor": _of_search("safety_factor"),
-    "factor_resolved": _where_searched("factor_resolved"),
-    "safe_up_to": _of_search("safe_up_to"),
-    "interval_count": _where_searched("count"),
-    "search_step": _of_search("step"),
-    "capacity_pga": _per_model(lambda one, model: one.scales[model].safety_factor * one.record.pga),
-    "applicable": _per_model(lambda one, model: one.applicable[model]),
-}
+def _factor(one: Any, model: str) -> np.ndarray:
+    return np.asarray(one.scales[model].safety_factor)
 
 
 def _of_strength(name: str) -> Callable[[Any], Any]:
@@ -128,7 +102,7 @@ def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..
 
 RECORD = along(
     ("record",),
-    lambda name: _OF_RECORD.get(name, _of_record(name)),
+    _of_record,
     source=text("file the record was read from"),
     source_sha256=text("SHA-256 of the source file"),
     format=text("file format"),
@@ -136,36 +110,46 @@ RECORD = along(
         "earthquake of the record, from the user's table, the title or the time",
         explanation="the table is `[records] events`; all records without this information count as one earthquake",
     ),
-    event_title=text("name of the earthquake in the file"),
+    event_title=text("name of the earthquake in the file", _of_record("event")),
     network=text("network code"),
     station=text("station code"),
     station_name=text("name of the station in words"),
     component=text("name of the component in the file"),
     azimuth=real("azimuth of the component, clockwise from north", "degree"),
-    start_time=text("UTC time of the first sample, ISO 8601"),
+    start_time=text("UTC time of the first sample, ISO 8601", _time("start_time")),
     npts=whole("number of samples", of_ground=True),
     dt=real("sampling interval", "s", of_ground=True),
     **_measured(STORED, lambda measure: lambda one: measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))),
-    intense_start=real("start of the intense phase from the first sample", "s", of_ground=True),
-    intense_end=real("end of the intense phase from the first sample", "s", of_ground=True),
-    main_impulse=real("main impulse I of the calibrated sequence", "m s^-1"),
-    secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s^-1"),
-    secondary_interval=real("interval dT of the secondary impulses", "s"),
-    sequence_duration=real("duration within which main impulses act", "s"),
-    main_count=whole("number of main impulses; -1 if only the duration limits it"),
+    intense_start=real(
+        "start of the intense phase from the first sample", "s", lambda one: one.scene.phase.start, of_ground=True
+    ),
+    intense_end=real(
+        "end of the intense phase from the first sample", "s", lambda one: one.scene.phase.end, of_ground=True
+    ),
+    main_impulse=real("main impulse I of the calibrated sequence", "m s^-1", _of_sequence("main")),
+    secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s^-1", _of_sequence("secondary")),
+    secondary_interval=real("interval dT of the secondary impulses", "s", _of_sequence("interval")),
+    sequence_duration=real("duration within which main impulses act", "s", _of_sequence("duration")),
+    main_count=whole("number of main impulses; -1 if only the duration limits it", _of_sequence("main_count", -1)),
     spacing=flag(
         ("not_known", *SPACINGS),
         "positions of the secondary impulses in the half-cycle; not known without a sequence",
+        lambda one: NOT_KNOWN if one.sequence is None else SPACINGS.index(one.sequence.spacing),
         first=NOT_KNOWN,
     ),
-    half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
-    warnings=text("warnings on the record", explanation="one per line"),
+    half_wave_count=whole(
+        "number of half-waves of the whole record", lambda one: one.scene.waves.impulse.size, of_ground=True
+    ),
+    warnings=text("warnings on the record", lambda one: with_codes(one.record.warnings)[0], explanation="one per line"),
     warning_codes=text(
         "codes of these warnings in the same order; plain: a warning without a code",
+        lambda one: with_codes(one.record.warnings)[1],
         explanation="separated by blanks; listed below",
     ),
-    processing=text("conditioning steps in their order", explanation="one per line"),
-    vertical_channel=text("id of the vertical channel that is used; empty if there is none"),
+    processing=text(
+        "conditioning steps in their order", lambda one: "\n".join(one.record.processing), explanation="one per line"
+    ),
+    vertical_channel=text("id of the vertical channel that is used; empty if there is none", _vertical_channel),
 ) | dict(FACTS)
 
 DEMAND = along(
@@ -186,7 +170,7 @@ DEMAND = along(
 
 ANSWER = along(
     (*LANES, "model"),
-    lambda name: _OF_ANSWER.get(name, _per_model(lambda one, model: getattr(one.responses[model], name))),
+    lambda name: _per_model(lambda one, model: getattr(one.responses[model], name)),
     peak_rotation_ratio=real(
         "largest rotation over alpha_c; inf if the block overturns, 0 at rest",
         explanation="theta_max/alpha_c; NaN: unresolved",
@@ -198,6 +182,7 @@ ANSWER = along(
     impacts=whole("number of impacts faster than 1e-3 p alpha_c; -1 if infinite or not known"),
     safety_factor=real(
         "smallest scale factor on the model's input that overturns the block; NaN if not computed",
+        take=_of_search("safety_factor"),
         explanation="inf: none up to the end of the search",
         comment=lambda config: (
             f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, limits to 1e-6; "
@@ -207,23 +192,37 @@ ANSWER = along(
     factor_resolved=flag(
         ("not_computed", "no", "yes"),
         "whether the model gives a result at safety_factor; no: it is a lower bound, above which the model gives none",
+        _where_searched("factor_resolved"),
         first=-1,
         explanation="in free flight, for example, it gives none, which counts as overturning: values computed from "
         "`safety_factor` are then lower bounds too. If `outcome` is unresolved, the factor is at most 1, unless the "
         "lower bound at which the search begins already excludes overturning",
     ),
-    safe_up_to=real("scale factor on the model's input up to which the search found no overturning"),
+    safe_up_to=real(
+        "scale factor on the model's input up to which the search found no overturning", take=_of_search("safe_up_to")
+    ),
     interval_count=whole(
         "number of intervals of the scale factor in which the block overturns; -1 if not computed",
+        _where_searched("count"),
         explanation="`safety_factor` is then NaN",
     ),
     search_step=real(
         "ratio of neighbouring scale factors of the search; 1: no interval can be missed; NaN: no search",
+        take=_of_search("step"),
         explanation="1 also for a closed form, and if no scale factor up to the end of the search lifts the block or "
         "can overturn it",
     ),
-    capacity_pga=real("safety factor times PGA; NaN if not computed", "m s^-2", of_ground=True),
-    applicable=flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
+    capacity_pga=real(
+        "safety factor times PGA; NaN if not computed",
+        "m s^-2",
+        _per_model(lambda one, model: _factor(one, model) * one.record.pga),
+        of_ground=True,
+    ),
+    applicable=flag(
+        ("outside_range", "applicable"),
+        "whether the block is within the range of the model",
+        _per_model(lambda one, model: one.applicable[model]),
+    ),
 )
 
 
@@ -237,9 +236,7 @@ def _of_demands(pick: Callable[[Any], Any]) -> Callable[[Bodies, Config], Any]:
 
 CAPACITY_RATIO = real(
     "safety factor divided by demand_factor; NaN if not computed",
-    take=_per_model(
-        lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]
-    ),
+    take=_per_model(lambda one, model: _factor(one, model)[:, np.newaxis] / one.probability["demand_factor"]),
     dims=(*LANES, "model", "demand"),
     stored=_demanded,
 )

@@ -16,8 +16,7 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import TooWeak
-from rockpulse.model_row import Equation, Scene
-from rockpulse.model_table import MODELS
+from rockpulse.model_table import MODELS, Equation, Scene
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies

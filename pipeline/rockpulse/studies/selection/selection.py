@@ -63,7 +63,9 @@ def select(
         Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`.
     config : Config or path, optional
         Configuration with the sections records, conditioning, selection and, without a table of the target, check.
-    progress, units, dt
+    progress : callable, optional
+        Wraps the list of channels or pairs, as ``tqdm.tqdm`` does.
+    units, dt
         As for :func:`rockpulse.assess`.
 
     Returns

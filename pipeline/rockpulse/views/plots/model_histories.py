@@ -15,8 +15,7 @@ from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ResultsError
-from rockpulse.model_row import Scene
-from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS, ModelSettings
+from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS, ModelSettings, Scene
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record

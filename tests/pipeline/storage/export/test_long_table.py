@@ -235,22 +235,6 @@ def test_other_names_are_refused(opened, tmp_path, name, said):
         written(opened, tmp_path / name)
 
 
-@pytest.mark.sweep
-def test_a_fault_leaves_the_old_table_and_no_rubbish(opened, tmp_path, monkeypatch):
-    target, readme = written(opened, tmp_path / "table.csv")
-    before = target.read_bytes(), readme.read_bytes()
-    full = OSError(28, "No space left on device")
-
-    def fail(*args, **kwargs):
-        raise full
-
-    monkeypatch.setattr(pd.DataFrame, "to_csv", fail)
-    with pytest.raises(ResultsError, match=r"cannot write the table: No space left on device"):
-        written(opened, target, overwrite=True)
-    assert (target.read_bytes(), readme.read_bytes()) == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["table.csv", "table.csv.README.md"]
-
-
 def test_a_line_of_the_file_is_a_row_whatever_ends_a_line_in_a_text(tmp_path):
     tree = small_tree()
     ends = ["a\r\nb", "a\rb\vc", "a\fb\x85c\u2028d\u2029e"]

@@ -178,14 +178,6 @@ def test_a_file_without_checksums_says_so(results):
     )
 
 
-def test_a_file_of_another_kind_has_checksums_too(tmp_path):
-    save(small_tree(), tmp_path / "site.h5")
-    assert changes(tmp_path / "site.h5") == ()
-    with h5py.File(tmp_path / "site.h5", "a") as file:
-        file["site/x"][0] = 3.0
-    assert changes(tmp_path / "site.h5") == ("variable /site/x: its values were changed",)
-
-
 #: By file other contents, and whether they are those of another record.
 OTHERS = {
     "one.txt": (b"other", True),
@@ -227,16 +219,6 @@ def test_an_input_inside_an_archive_that_changed_is_named(folder, results):
     )
     assert all("can no longer be read" in text and "damaged zip" in text for text in damaged.differences)
     assert len(damaged.differences) == 2
-
-
-def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
-    from rockpulse.storage.hdf5.verification import input_checksums, input_files
-
-    name = f"{folder}/all.zip!{'a' * 300}.txt"
-    assert input_files([(name, "0"), (f"{folder}/one.txt", "1")]) == {name: {"0"}, f"{folder}/one.txt": {"1"}}
-    ((found, why),) = input_checksums([name])
-    assert found == name
-    assert "no longer has this member" in str(why)
 
 
 @pytest.mark.sweep

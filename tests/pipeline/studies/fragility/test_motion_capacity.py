@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from bursts import packet
+from nominal import scene_of_record
 
 import rockpulse as rp
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
-from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves

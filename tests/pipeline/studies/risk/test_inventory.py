@@ -181,13 +181,20 @@ def test_what_cannot_be_answered_is_refused(results):
         rp.inventory_frequency(bare, body, LAW)
 
 
+def mean_capacity(spectrum, body):
+    """The mean scale factor of a body, g tan(alpha)/(p S), from the spectrum of a record."""
+    axes = spectrum["p"].values, spectrum["restitution"].values
+    own = np.exp(at_blocks(body, *axes, np.log(spectrum["spectrum"].values)))
+    return (body.gravity * np.tan(body.alpha_c) / body.p / own)[0]
+
+
 def by_hand(results, body, hazard, low, high, relative=False):
     """The integral of P |dH| between levels, or factors on each record, with P read on a fine grid: the mean."""
     summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
     by_event: dict[str, list[float]] = {}
     for name in spectra["record"].values:
         one = spectra.sel(record=name)
-        capacity = rp.overturning_factors(one, body)["factor_mean"][0]
+        capacity = mean_capacity(one, body)
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         own = float(summary[hazard.measure].sel(record=name))
         ends = (low * own, high * own) if relative else (low, high)
@@ -239,7 +246,7 @@ def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
     ratio, chance = [], []
     for name in spectra["record"].values:
         one = spectra.sel(record=name)
-        capacity = rp.overturning_factors(one, body)["factor_mean"][0]
+        capacity = mean_capacity(one, body)
         own = float(summary["pgv"].sel(record=name))
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         ratio.append(-math.log(capacity * own))
