@@ -150,12 +150,13 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 @contextmanager
 def damage_reported(
-    path: str | os.PathLike[str], damage: tuple[type[Exception], ...] = (KeyError, ValueError, TypeError)
+    path: str | os.PathLike[str],
+    errors: tuple[type[Exception], ...] = (OSError, RuntimeError, KeyError, ValueError, TypeError),
 ) -> Iterator[None]:
-    """Convert errors of HDF5, and others by which `damage` shows, to ResultsError, in a ``with`` block."""
+    """Convert `errors` caused by a damaged file to ResultsError, in a ``with`` block."""
     try:
         yield
-    except (OSError, RuntimeError, *damage) as error:
+    except errors as error:
         if isinstance(error, RockpulseError) or getattr(error, "errno", None) is not None:  # not an error of HDF5
             raise
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
@@ -240,7 +241,7 @@ class ResultsFile:
 
     def reading(self) -> AbstractContextManager[None]:
         """Convert errors of HDF5, which mean that the file is damaged, to ResultsError, in a ``with`` block."""
-        return damage_reported(self.path, ())
+        return damage_reported(self.path, (OSError, RuntimeError))
 
 
 def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
