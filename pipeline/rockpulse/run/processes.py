@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import pickle
-import secrets
 import signal
 import sys
 import threading
@@ -11,7 +10,7 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cached_property
+from functools import lru_cache
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
@@ -27,52 +26,18 @@ ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 MASKS = hasattr(signal, "pthread_sigmask")
 
 
-class Once:
-    """A function that is pickled once for all workers, and unpickled once in each process."""
-
-    def __init__(self, function: Callable[[Any], Any], key: str = "") -> None:
-        self.function, self.key = function, key or secrets.token_hex(16)
-
-    @cached_property
-    def packed(self) -> bytes:
-        """The function as pickled bytes."""
-        return pickle.dumps(self.function, protocol=5)
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str, bytes]]:
-        return kept, (self.key, self.packed)
-
-
-class Reference:
-    """A short key that is sent in place of the function that the process received last."""
-
-    def __init__(self, key: str) -> None:
-        self.key = key
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
-        return kept, (self.key,)
-
-
-#: The functions that this process has unpickled last, at most KEPT of them, by key.
-_functions: dict[str, Once] = {}
-KEPT = 4
-
-
-def kept(key: str, packed: bytes = b"") -> Once:
-    """Return the function that has this key; it is unpickled only if this process does not have it yet."""
-    found = _functions.get(key)
-    if found is None:
-        found = Once(pickle.loads(packed), key)
-        if len(_functions) >= KEPT:
-            _functions.pop(next(iter(_functions)), None)
-        _functions[key] = found
+@lru_cache(maxsize=4)
+def unpacked(function: bytes) -> Callable[[Any], Any]:
+    """Return a pickled function; the last ones are cached, as all items of a run have the same function."""
+    found: Callable[[Any], Any] = pickle.loads(function)
     return found
 
 
-def call(once: Once, items: Sequence[Any]) -> tuple[float, list[Any]]:
-    """Apply a function to each item; return the time taken [s] and the results. Kernels use one thread."""
+def call(function: bytes, items: Sequence[Any]) -> tuple[float, list[Any]]:
+    """Apply a pickled function to each item; return the time taken [s] and the results. Kernels use one thread."""
     began = time.perf_counter()
     with thread_limit(1):
-        results = [once.function(item) for item in items]
+        results = [unpacked(function)(item) for item in items]
     return time.perf_counter() - began, results
 
 
@@ -150,11 +115,9 @@ class WorkerProcesses(ThreadPoolExecutor):
 
     def _ask(self, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         if not hasattr(self._own, "worker"):
-            self._own.worker, self._own.sent = self._start(), ""  # key of the function that it was sent last
+            self._own.worker = self._start()
         process, pipe = self._own.worker
-        sent = [Reference(one.key) if isinstance(one, Once) and one.key == self._own.sent else one for one in args]
-        letter = pickle.dumps((function, sent, kwargs), protocol=5)
-        self._own.sent = next((one.key for one in args if isinstance(one, Once)), self._own.sent)
+        letter = pickle.dumps((function, args, kwargs), protocol=5)
         try:
             pipe.send_bytes(letter)
             answer = pipe.recv_bytes()

@@ -14,7 +14,7 @@ from typing import Any, Self, TypeVar
 
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
-from rockpulse.run.processes import Once, WorkerDied, WorkerProcesses, call
+from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
 from rockpulse.version import __version__
 
 logger = logging.getLogger("rockpulse")
@@ -108,7 +108,7 @@ class WorkerPool:
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
             return
-        waiting, again, once = iter(items), list[Item](), Once(function)
+        waiting, again, packed = iter(items), list[Item](), pickle.dumps(function, protocol=5)
         unsent, size = length_hint(items, LARGEST_GROUP**2), 1
         running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
@@ -118,7 +118,7 @@ class WorkerPool:
                     group = list(islice(waiting, max(1, min(size, unsent // (2 * self.size)))))
                     if not group:
                         break
-                    running[self._submit(once, group)] = group
+                    running[self._submit(packed, group)] = group
                     unsent -= len(group)
                 if not running:
                     break
@@ -133,15 +133,15 @@ class WorkerPool:
                     else:
                         yield group[0], results
             for item in again:
-                results = self._results(self._submit(once, [item]))
+                results = self._results(self._submit(packed, [item]))
                 yield item, results if isinstance(results, WorkerLost) else results[1][0]
         finally:
             for future in running:
                 future.cancel()
 
-    def _submit(self, once: Once, group: list[Item]) -> Future[tuple[float, list[Any]]]:
+    def _submit(self, function: bytes, group: list[Item]) -> Future[tuple[float, list[Any]]]:
         assert self.executor is not None
-        future = self.executor.submit(call, once, group)
+        future = self.executor.submit(call, function, group)
         self.handed_out.add(future)
         future.add_done_callback(self.handed_out.discard)
         return future

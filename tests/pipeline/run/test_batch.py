@@ -1,7 +1,6 @@
 """A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
 
 import logging
-import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -18,8 +17,11 @@ from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
+from rockpulse.run.analysis import run as run_in_memory
 from rockpulse.run.batch import assess_files, calibrate_files, fragility_files
 from rockpulse.run.options import BatchOptions
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
 
 CONFIG = Config(
     models=ModelSettings(use=("sequence", "linear")),
@@ -69,7 +71,7 @@ def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
 
 
 #: The other analyses by their verbs, each in memory and of files.
-OTHERS = {"calibrate": (rp.calibrate, calibrate_files), "fragility": (rp.fragility, fragility_files)}
+OTHERS = {"calibrate": (SiteCalibration, calibrate_files), "fragility": (FragilityAnalysis, fragility_files)}
 
 
 @pytest.mark.parametrize("verb", OTHERS)
@@ -78,10 +80,10 @@ OTHERS = {"calibrate": (rp.calibrate, calibrate_files), "fragility": (rp.fragili
 )
 def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
     config = replace(SITE, records=RecordSettings(components=components, azimuth_step=60.0))
-    in_memory, of_files = OTHERS[verb]
+    analysis, of_files = OTHERS[verb]
     files = [folder / name for name in ("g0.V1A", "r0.AT2", "r1.AT2", "cut.AT2")]
     records, failures = read_all(files)
-    expected = saved(in_memory(records, config, failures=failures), tmp_path / "memory.h5")
+    expected = saved(run_in_memory(analysis(config), records, failures), tmp_path / "memory.h5")
     report = of_files(files, config, tmp_path / "batch.h5", BatchOptions(workers=1))
     assert report.records == (4 if components == "horizontal" else 3)
     assert_contents(tmp_path / "batch.h5", expected)
@@ -114,27 +116,6 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assess_files(folder / "r0.AT2", config, tmp_path / "two.h5", BatchOptions(workers=2))
     assess_files(folder / "r0.AT2", config, tmp_path / "all.h5", BatchOptions(workers="all"))  # one file: no process
     assert started == [3, 2]
-
-
-@pytest.mark.slow
-def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
-    started = []
-    without_results(monkeypatch)
-    monkeypatch.setattr(run, "available_cores", lambda: 2)
-    monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
-    monkeypatch.setattr(
-        run.WorkerPool, "local", lambda workers: started.append(workers) or run.WorkerPool(None, lambda: workers)
-    )
-    members = {f"r{number}.AT2": at2(pulse(400, 0.2 + 0.01 * number)) for number in range(16)}
-    (tmp_path / "folder").mkdir()
-    with zipfile.ZipFile(tmp_path / "all.zip", "w") as archive:
-        for name, content in members.items():
-            archive.writestr(name, content)
-            (tmp_path / "folder" / name).write_bytes(content)
-    report = assess_files(tmp_path / "all.zip", CONFIG, tmp_path / "a.h5")
-    assert (started, report.records) == ([2], 16)  # for the work; one file is read by this process
-    assess_files(tmp_path / "folder", CONFIG, tmp_path / "b.h5")
-    assert started == [2, 2]  # one pool reads and works
 
 
 class Bars:

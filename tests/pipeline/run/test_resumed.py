@@ -4,13 +4,12 @@ import pickle
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from batch_runs import CONFIG, SITE, four_records, without_results
-from file_contents import assert_contents, contents
+from file_contents import contents
 
 import rockpulse as rp
-from rockpulse import BlockSettings, FloorSettings, ModelSettings, PedestalSettings, SiteSettings
+from rockpulse import BlockSettings, SiteSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all
@@ -74,40 +73,6 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
     assert (report.records, report.resumed, report.failures, report.broken_off) == (3, 1, [], 0)
     assert len(contents(output)["summary/record"]["values"]) == 3
     assert not journal_path(output).exists()
-
-
-@pytest.mark.slow
-def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(folder, tmp_path, monkeypatch):
-    """A wall that is read from the spectrum, a chest that has lanes of its own, and the bodies that practice has."""
-    others = (
-        BlockSettings(name="chest", width=0.4, height=0.9),
-        BlockSettings(name="façade", width=0.4, height=3.0, one_sided=True),
-        BlockSettings(name="aloft", width=0.4, height=3.0, floors=(FloorSettings(period=0.4),), friction=0.3),
-        BlockSettings(
-            name="statue",
-            width=0.4,
-            height=2.0,
-            mass=8e2,
-            pedestals=(PedestalSettings(width=0.6, height=1.0, mass=1e3),),
-        ),
-    )
-    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), bodies=(*CONFIG.bodies, *others))
-    paths, original = sorted(folder.glob("r*"))[:2], assessment.extract
-
-    def out_of_memory(record, config, vertical):
-        if record.id.startswith("r1"):
-            raise MemoryError
-        return original(record, config, vertical)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(assessment, "extract", out_of_memory)
-        assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1))
-    report = assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1, resume=True))
-    assert (report.records, report.resumed) == (2, 1)
-    resumed = contents(tmp_path / "resumed.h5")
-    assess_files(paths, config, tmp_path / "workers.h5", BatchOptions(workers=2))
-    assert_contents(tmp_path / "workers.h5", resumed)
-    assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
 
 
 @pytest.mark.sweep

@@ -1,10 +1,9 @@
 """Verifies that a results file and, on request, its input files have not changed."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from itertools import groupby
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -55,14 +54,17 @@ def verify(
     sources = input_files(stored)
     places = {existing_path(name, folders): name for name in sources}
     absent: list[str] = []
-    for place, found in input_checksums(progress(sorted(places))):
+    open_archive = lru_cache(maxsize=1)(Archive)  # the members of an archive follow one another
+    for place in progress(sorted(places)):
         name = places[place]
-        if found is None:
+        if not _there(_location(place)[0]):
             absent.append(name)
-        elif isinstance(found, Exception):
-            differences.append(f"input {name}: it can no longer be read ({found})")
-        elif sources[name] != {found}:
-            differences.append(f"input {name}: it is not the file that was read (its SHA-256 differs)")
+            continue
+        try:
+            if sources[name] != {_input_checksum(place, open_archive)}:
+                differences.append(f"input {name}: it is not the file that was read (its SHA-256 differs)")
+        except (RockpulseError, OSError) as error:
+            differences.append(f"input {name}: it can no longer be read ({error})")
     return Verification(kind, schema, count, len(sources) - len(absent), tuple(absent), tuple(differences))
 
 
@@ -176,29 +178,13 @@ def _location(source: str) -> tuple[Path, str | None]:
     return Path(source), None
 
 
-def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each file of a sorted list with its SHA-256, the error if it cannot be read, or None if it is missing."""
-    for place, names in groupby(sources, key=lambda source: _location(source)[0]):
-        if not _there(place):
-            yield from ((name, None) for name in names)
-            continue
-        try:
-            check_regular(place, ResultsError)
-            opened = Archive(place) if is_archive(place) else nullcontext()
-        except (RockpulseError, OSError) as error:
-            yield from ((name, error) for name in names)
-            continue
-        with opened as archive:
-            for name in names:
-                yield name, _input_checksum(place, archive, name)
-
-
-def _input_checksum(place: Path, archive: Archive | None, name: str) -> str | Exception:
-    try:
-        if archive is None:
-            return open_source(place).sha256
-        if name not in archive.names:
-            raise RecordRefused("the archive no longer has this member")
-        return archive.member(archive.names.index(name)).sha256
-    except (RockpulseError, OSError) as error:
-        return error
+def _input_checksum(source: str, open_archive: Callable[[Path], Archive]) -> str:
+    """Return the SHA-256 of a file or archive member; RockpulseError or OSError if it cannot be read."""
+    place, _ = _location(source)
+    check_regular(place, ResultsError)
+    if not is_archive(place):
+        return open_source(place).sha256
+    archive = open_archive(place)
+    if source not in archive.names:
+        raise RecordRefused("the archive no longer has this member")
+    return archive.member(archive.names.index(source)).sha256
