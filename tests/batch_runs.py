@@ -1,13 +1,18 @@
 """Runs of the command line on a folder of four records, and a folder for runs in Python."""
 
+import pickle
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 from record_writers import at2, pulse
 
 from rockpulse import BlockSettings, CalibrationSettings, Config, ModelSettings, SearchSettings
 from rockpulse.cli import main
+from rockpulse.readers.folders import find_files
 from rockpulse.run import batch
-from rockpulse.run.survey import gather_survey
+from rockpulse.run.survey import gather_survey, survey_file
+from rockpulse.run.tasks import read_options, tasks_of
 
 RECORDS = 4
 CONFIGURATION = """
@@ -31,10 +36,19 @@ CONFIG = Config(
 SITE = Config(calibration=CalibrationSettings(bootstrap=100), bodies=CONFIG.bodies)
 
 
-def gathered(surveys, failures):
-    """The records of some surveyed files, and their failures, combined."""
+def surveyed(paths, options):
+    """The records of files without samples, and the failures: surveyed in any order, as if by other processes."""
+    found, failures = find_files(paths)
+    surveys = [pickle.loads(pickle.dumps(survey_file(one, options))) for one in reversed(found)]
     rows = [*failures, *(row for survey in surveys for row in survey.failures)]
     return gather_survey([one for survey in surveys for one in survey.located], rows)
+
+
+def planned(paths, analysis, survey=surveyed):
+    """The tasks of an analysis, and its plan."""
+    located, rows = survey(paths, read_options(analysis.config))
+    plan = analysis.plan([one.record for one in located], rows)
+    return tasks_of([*plan.planned], [*located], analysis.config, analysis.name), plan
 
 
 def four_records(folder):
@@ -60,6 +74,16 @@ def records_in(folder, count, samples=400):
 def without_results(monkeypatch):
     """The runs from now on write no results, where a test does not look at them."""
     monkeypatch.setattr(batch, "write_results", lambda path, parts, *given: sum(1 for _ in parts))
+
+
+def bar_of(update):
+    """A progress bar that calls a function with its description at each step."""
+
+    @contextmanager
+    def bar(desc, **about):
+        yield SimpleNamespace(update=lambda n: update(desc))
+
+    return bar
 
 
 def names(folder):

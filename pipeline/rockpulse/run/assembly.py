@@ -102,12 +102,11 @@ def assemble(
     swept: Mapping[str, Sequence[str]] | None = None,
     overwrite: bool = False,
     run: Mapping[str, str] | None = None,
-    chunk: int = CHUNK,
 ) -> int:
     """Write the same file as :func:`rockpulse.save`, but piece by piece; return the number of records.
 
     `template` is the tree of results without records. The `parts`, in the order of the rows, are read twice, first for
-    their sizes. At most `chunk` bytes of arrays, or one
+    their sizes. At most CHUNK bytes of arrays, or one
     larger part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file
     exists (it is then not changed) or cannot be written.
     """
@@ -128,7 +127,7 @@ def assemble(
     attrs = provenance(template.attrs) | dict(run or {})
     with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
         _create_variables(writer, template, lengths, failures, len(pairs))
-        _write_parts(writer, parts, chunk)
+        _write_parts(writer, parts)
         if "directions" in template.children:
             _write_directions(writer, template, pairs, records)
     return len(records)
@@ -159,14 +158,14 @@ def _create_variables(
                 writer.append(f"{node.path}/{name}", variable.values)
 
 
-def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
+def _write_parts(writer: TreeWriter, parts: Iterable[Part]) -> None:
     gathered: list[Part] = []
     size = before = 0
     for part in chain(parts, [None]):
         if part is not None:
             gathered.append(part)
             size += sum(PER_ARRAY + values.nbytes for values in part.values())
-        if gathered and (part is None or size >= chunk):
+        if gathered and (part is None or size >= CHUNK):
             for path, values in joined_parts(gathered, before).items():
                 writer.append(path, values)
             before += sum(len(one["/summary/record"]) for one in gathered)

@@ -5,16 +5,8 @@ import pytest
 from bursts import DT, TOWER, WALL, motion, record
 from nominal import Config as nominal
 
+import rockpulse as rp
 from rocking.impulses.impulse_sequence import SPACINGS
-from rockpulse import (
-    BlockSettings,
-    DemandSettings,
-    ModelSettings,
-    RecordSettings,
-    SearchSettings,
-    SequenceSettings,
-    SiteSettings,
-)
 from rockpulse.assessment.assessment import assess
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
@@ -26,7 +18,7 @@ from rockpulse.views.plots.selection import block_of
 
 def Config(**sections):
     """Every model and factor, by a search of few factors."""
-    return nominal(**{"search": SearchSettings(points=16)} | sections)
+    return nominal(**{"search": rp.SearchSettings(points=16)} | sections)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +46,7 @@ def test_answers_are_those_of_the_model_called_directly(tree):
 
 def test_results_are_named_after_the_site(tree):
     assert tree.attrs["title"] == "Rocking response of rigid blocks to recorded ground motions"
-    named = Config(bodies=(WALL,), models=ModelSettings(use=("linear",)), site=SiteSettings(name="Borgo"))
+    named = Config(bodies=(WALL,), models=rp.ModelSettings(use=("linear",)), site=rp.SiteSettings(name="Borgo"))
     assert assess([record("one")], named).attrs["title"] == "Borgo"
 
 
@@ -107,8 +99,8 @@ def test_intervals_of_overturning_begin_with_the_safety_factor_and_hold_the_outc
 @pytest.mark.sweep
 @pytest.mark.parametrize("restitution", ["housner", (0.8, 0.9)])
 def test_capacity_is_compared_with_every_demand(restitution):
-    demands = (DemandSettings(name="damage", value=1.0), DemandSettings("collapse", "475 years", value=2.5))
-    wall = BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
+    demands = (rp.DemandSettings(name="damage", value=1.0), rp.DemandSettings("collapse", "475 years", value=2.5))
+    wall = rp.BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
     summary = assess([record("one")], Config(bodies=(wall,), demands=demands))["summary"]
     assert list(summary["demand"].values) == ["damage", "collapse"]
     assert list(summary["demand_acceleration"].values) == [1.0, 2.5]
@@ -121,7 +113,7 @@ def test_capacity_is_compared_with_every_demand(restitution):
 
 
 def test_squat_block_is_marked_outside_the_range_of_the_linear_models(tree):
-    squat = assess([record("one")], Config(), bodies=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
+    squat = assess([record("one")], Config(), bodies=[rp.BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
     applicable = squat["applicable"].squeeze().values
     assert list(applicable) == [0, 0, 0, 0, 1]
     assert np.all(tree["summary"]["applicable"] == 1)
@@ -153,8 +145,8 @@ def test_records_are_kept_as_ragged_arrays(tree):
 
 
 def test_histories_of_several_restitutions_stand_at_their_lanes():
-    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
-    config = Config(models=ModelSettings(use=("nonlinear",), histories=True))
+    several = rp.BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    config = Config(models=rp.ModelSettings(use=("nonlinear",), histories=True))
     kept = assess([record("two", 1, 1.5)], config, [several, TOWER])["records"]
     assert kept["history_lane_index"].values.tolist() == [0, 1, 2, 3]
     for place, restitution in enumerate((0.6, 0.9)):
@@ -165,8 +157,8 @@ def test_histories_of_several_restitutions_stand_at_their_lanes():
 
 @pytest.mark.sweep
 def test_restitution_list_adds_a_dimension():
-    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
-    config = Config(models=ModelSettings(use=("sequence", "nonlinear")))
+    several = rp.BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    config = Config(models=rp.ModelSettings(use=("sequence", "nonlinear")))
     summary = assess([record("one", 0, 2.5)], config, [several, TOWER])["summary"]
     assert summary["peak_rotation_ratio"].dims == ("record", "block", "case", "model")
     assert list(summary["restitution"].sel(block="wall").values) == [0.6, 0.9]
@@ -184,9 +176,9 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     horizontal = record("one", 0, 2.5, station="S", orientation="horizontal")
     up = record("one-up", 3, 3.0, station="S", orientation="vertical")
     up = Record(up.acceleration, DT, id="up", station="S", orientation="vertical", source="one.txt", processed=True)
-    models = ModelSettings(use=("sequence", "linear", "nonlinear"))
-    with_up = Config(bodies=(WALL,), models=models, records=RecordSettings(include_vertical=True))
-    without = Config(bodies=(WALL,), models=models, records=RecordSettings(include_vertical=False))
+    models = rp.ModelSettings(use=("sequence", "linear", "nonlinear"))
+    with_up = Config(bodies=(WALL,), models=models, records=rp.RecordSettings(include_vertical=True))
+    without = Config(bodies=(WALL,), models=models, records=rp.RecordSettings(include_vertical=False))
     lifted = assess([horizontal, up], with_up)["summary"]["peak_rotation_ratio"].values[0, 0]
     plain = assess([horizontal, up], without)["summary"]["peak_rotation_ratio"].values[0, 0]
     direct = recorded_response(Block(0.4, 3.0), horizontal.acceleration, DT, vertical=up.acceleration)
@@ -197,10 +189,10 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
 @pytest.mark.sweep
 def test_every_estimator_gives_an_assessment_with_safety_factors():
     tables = {"main": MAIN, "secondary": SECONDARY, "interval": INTERVAL, "main_count": MAIN_COUNT, "spacing": SPACINGS}
-    models = ModelSettings(use=("resonance", "sequence"))
+    models = rp.ModelSettings(use=("resonance", "sequence"))
     for number in range(max(map(len, tables.values()))):  # each word of every table at least once
         options = {name: [*table][number % len(table)] for name, table in tables.items()}
-        config = Config(bodies=(WALL,), models=models, sequence=SequenceSettings(**options))
+        config = Config(bodies=(WALL,), models=models, sequence=rp.SequenceSettings(**options))
         tree = assess([record("one")], config)
         assert tree["failures"].sizes["failure"] == 0, options
         assert np.all(tree["summary"]["safety_factor"] > 0.0), options
@@ -208,9 +200,9 @@ def test_every_estimator_gives_an_assessment_with_safety_factors():
 
 @pytest.mark.sweep
 def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
-    own = BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
-    without = BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
-    config = Config(bodies=(own, without), models=ModelSettings(use=("sequence", "nonlinear")))
+    own = rp.BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
+    without = rp.BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
+    config = Config(bodies=(own, without), models=rp.ModelSettings(use=("sequence", "nonlinear")))
     summary = assess([record("one")], config)["summary"].to_dataset()
     assert summary["radius"].values == pytest.approx([1.136, 1.2930], abs=1e-4)
     assert summary["block_warnings"].values[0] == ""
@@ -223,7 +215,7 @@ def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
 
 @pytest.mark.sweep
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
-    island = BlockSettings(name="island", width=1e9, height=1e10, confirm_size=True)
+    island = rp.BlockSettings(name="island", width=1e9, height=1e10, confirm_size=True)
     summary = assess([record("one")], Config(bodies=(WALL, island)))["summary"].sel(record="one")
     assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
     island = summary.sel(block="island", model="sequence")
@@ -234,8 +226,8 @@ def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers()
 
 @pytest.mark.sweep
 def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
-    confirmed = RecordSettings(confirm=("strong",))
-    config = Config(bodies=(WALL,), sequence=SequenceSettings(spacing="end"), records=confirmed)
+    confirmed = rp.RecordSettings(confirm=("strong",))
+    config = Config(bodies=(WALL,), sequence=rp.SequenceSettings(spacing="end"), records=confirmed)
     strong = Record(2.5e7 * motion(0), DT, id="strong", processed=True, source="strong.txt")
     tree = assess([strong, record("one")], config)
     assert list(tree["summary"]["record"].values) == ["one"]
@@ -245,7 +237,7 @@ def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
 
 def test_velocity_that_drifts_is_flagged():
     drifting = Record(motion(0) + 0.05, DT, id="drift", processed=True)
-    models = ModelSettings(use=("linear",))
+    models = rp.ModelSettings(use=("linear",))
     summary = assess([record("one"), drifting], Config(bodies=(WALL,), models=models))["summary"]
     assert summary["pgv_drift"].values.tolist() == [0, 1]
 

@@ -155,15 +155,9 @@ def test_what_cannot_be_opened_is_reported(tmp_path):
         pass
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        pytest.param("tree = rp.load(path)", marks=pytest.mark.slow),
-        pytest.param("with rp.open_results(path) as tree:", marks=pytest.mark.sweep),
-    ],
-)
-def test_the_accessor_is_there_once_results_are(line, path):
-    twice = f"{line}\n    print(tree.rockpulse)\n".replace("\n    ", "\n    " if line.endswith(":") else "\n") * 2
+@pytest.mark.sweep
+def test_the_accessor_is_there_once_results_are(path):
+    twice = "with rp.open_results(path) as tree:\n    print(tree.rockpulse)\n" * 2
     script = f"import rockpulse as rp, warnings\nwarnings.simplefilter('error')\npath = {str(path)!r}\n{twice}"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.count("<Results 3 records, 3 bodies") == 2

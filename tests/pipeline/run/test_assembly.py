@@ -73,15 +73,15 @@ def assessed(ridgecrest, tmp_path_factory):
         *(pytest.param(name, assembly.CHUNK, marks=pytest.mark.slow) for name in CONFIGURATIONS),
     ],
 )
-def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
+def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk, monkeypatch):
+    monkeypatch.setattr(assembly, "CHUNK", chunk)
     done, bodies, config, swept = assessed(name)
     if swept is not None:
         done = done[1:-1]  # not all directions are there
         swept = {**swept, "of nothing": ["never"] * 3}
     save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
-    count = assemble(
-        tmp_path / "made.h5", empty_tree(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
-    )
+    run = {"run_id": "r" * 32}
+    count = assemble(tmp_path / "made.h5", empty_tree(bodies, config), done, FAILURES, swept, run=run)
     assert count == len(done) > 1
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
     assert verify(tmp_path / "made.h5", inputs=False).differences == ()

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
-from batch_runs import CONFIG
+from batch_runs import CONFIG, bar_of
 from record_writers import at2, pulse
 
 import rockpulse as rp
@@ -56,11 +56,6 @@ def test_a_log_in_a_file_has_the_warnings_at_once(tmp_path, monkeypatch):
     monkeypatch.setattr(logger, "handlers", [logging.StreamHandler(file)])
     monkeypatch.setattr(logger, "propagate", False)
     seen = []
-
-    @contextmanager
-    def bar(**_):
-        yield SimpleNamespace(update=lambda n: seen.append("baseline" in file.getvalue()))
-
-    run(tmp_path, printed, bar)
+    run(tmp_path, printed, bar_of(lambda desc: seen.append("baseline" in file.getvalue())))
     assert seen == [False, False, True, True]
     assert printed.getvalue() == ""

@@ -1,7 +1,9 @@
 """A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
 
 import logging
+from contextlib import contextmanager
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -118,34 +120,21 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assert started == [3, 2]
 
 
-class Bars:
-    """Progress bars that remember."""
-
-    def __init__(self):
-        self.seen = []
-
-    def __call__(self, **given):
-        self.seen.append({**given, "done": 0})
-        return self
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *error):
-        self.seen[-1]["closed"] = True
-
-    def update(self, n):
-        self.seen[-1]["done"] += n
-
-
 @pytest.mark.sweep
 def test_progress_and_report_say_what_was_done(folder, tmp_path, caplog, monkeypatch):
     without_results(monkeypatch)
     caplog.set_level(logging.INFO, "rockpulse")
-    bars = Bars()
-    options = BatchOptions(workers=1, bar=bars)
+    bars = []
+
+    @contextmanager
+    def bar(**given):
+        bars.append({**given, "done": 0})
+        yield SimpleNamespace(update=lambda n: bars[-1].update(done=bars[-1]["done"] + n))
+        bars[-1]["closed"] = True
+
+    options = BatchOptions(workers=1, bar=bar)
     report = assess_files([folder / "cut.AT2", folder], CONFIG, tmp_path / "results.h5", options)
-    assert bars.seen == [
+    assert bars == [
         {"total": 7, "initial": 0, "desc": "reading", "unit": " files", "done": 7, "closed": True},
         {"total": 7, "initial": 0, "desc": "assessing", "unit": " records", "done": 7, "closed": True},
     ]

@@ -11,6 +11,7 @@ import time
 import pool_functions as toys
 import pytest
 import xarray as xr
+from batch_runs import bar_of
 from dask_cluster import dask_cluster, wait_for_workers
 from nominal import Config
 from record_writers import at2, pulse
@@ -92,24 +93,12 @@ def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is
     rp.assess_files(str(samples), config, tmp_path / "here.h5", rp.BatchOptions(workers=1))
     with dask_cluster(tmp_path, workers=2) as (address, _, workers):
 
-        class Killing:
-            """A bar that has a worker killed at the first record."""
+        def kill(desc):
+            if desc == "assessing" and workers[0].poll() is None:
+                workers[0].kill()
+                workers[0].wait()
 
-            def __init__(self, desc, **_):
-                self.working = desc == "assessing"
-
-            def __enter__(self):
-                return self
-
-            def __exit__(self, *error):
-                pass
-
-            def update(self, n):
-                if self.working and workers[0].poll() is None:
-                    workers[0].kill()
-                    workers[0].wait()
-
-        options = rp.BatchOptions(scheduler=address, bar=Killing)
+        options = rp.BatchOptions(scheduler=address, bar=bar_of(kill))
         rp.assess_files(str(samples), config, tmp_path / "there.h5", options)
         assert workers[0].returncode == -signal.SIGKILL
     here, there = rp.load(tmp_path / "here.h5"), rp.load(tmp_path / "there.h5")

@@ -4,20 +4,13 @@ import os
 
 import numpy as np
 import pytest
+from batch_runs import CONFIG, bar_of
 from record_writers import at2, pulse
 
-from rockpulse import BlockSettings, ModelSettings, SearchSettings
-from rockpulse.config.configuration import Config
 from rockpulse.errors import StoppedAtFailure
 from rockpulse.run.batch import assess_files
 from rockpulse.run.journal import holder, journal_path
 from rockpulse.run.options import BatchOptions
-
-CONFIG = Config(
-    models=ModelSettings(use=("resonance",)),
-    search=SearchSettings(models=()),
-    bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
-)
 
 
 @pytest.mark.sweep
@@ -31,21 +24,8 @@ def test_a_resumed_run_neither_reads_nor_unlocks_its_own_journal(tmp_path):
     journal = journal_path(output)
     link.symlink_to(journal)  # a suffix that is not passed over by its name
     holders = []
-
-    class Bar:
-        def __init__(self, **about):
-            pass
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *error):
-            pass
-
-        def update(self, n):
-            holders.append(holder(journal))
-
-    options = BatchOptions(workers=1, resume=True, written=(log,), bar=Bar)
+    bar = bar_of(lambda desc: holders.append(holder(journal)))
+    options = BatchOptions(workers=1, resume=True, written=(log,), bar=bar)
     report = assess_files([tmp_path, journal, log], CONFIG, output, options)
     assert [os.path.basename(row.file) for row in report.failures] == ["still.AT2"]  # noqa: PTH119
     assert (report.records, report.resumed) == (1, 2)

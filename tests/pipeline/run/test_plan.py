@@ -5,49 +5,25 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import batch_runs
 import pytest
-from batch_runs import gathered
+from batch_runs import surveyed
 from record_writers import at2, pulse
 
-from rockpulse import (
-    BlockSettings,
-    CalibrationSettings,
-    CheckSettings,
-    ConditioningSettings,
-    DemandSettings,
-    FileSettings,
-    FragilitySettings,
-    HalfWaveSettings,
-    HazardSettings,
-    IntensePhaseSettings,
-    ModelSettings,
-    RecordSettings,
-    RunSettings,
-    SearchSettings,
-    SequenceSettings,
-    SiteSettings,
-    UncertaintySettings,
-)
+import rockpulse as rp
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
-from rockpulse.readers.folders import find_files, read_all
-from rockpulse.run.survey import survey_file
-from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
+from rockpulse.run.tasks import configuration_fingerprint, digest_of
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 SAMPLES = Path(__file__).parents[3] / "data" / "samples" / "records"
-WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+WALL = rp.BlockSettings(name="wall", width=0.4, height=3.0)
 SWEEP = {"components": "sweep", "azimuth_step": 45.0, "include_vertical": True}
 
 
 def config(**records):
-    return Config(bodies=(WALL,), records=RecordSettings(**records))
-
-
-def surveyed(paths, read):
-    found, failures = find_files(paths)
-    return gathered([survey_file(file, read) for file in found], failures)
+    return Config(bodies=(WALL,), records=rp.RecordSettings(**records))
 
 
 #: The same of files that stay as they are.
@@ -55,29 +31,14 @@ surveyed_once = cache(surveyed)
 
 
 def planned(paths, options=None, analysis=Assessment):
-    """The tasks of a run, and what is plan for it."""
-    one = analysis(options or config())
-    survey = surveyed_once if paths == SAMPLES else surveyed
-    located, rows = survey(paths, read_options(one.config))
-    plan = one.plan([record.record for record in located], rows)
-    return tasks_of(plan.planned, [*located], one.config, one.name), plan
+    """The tasks of a run, and its plan."""
+    return batch_runs.planned(paths, analysis(options or config()), surveyed_once if paths == SAMPLES else surveyed)
 
 
 def test_a_task_is_small(samples):
     first, *others = planned(samples, config(**SWEEP))[0]
     assert len(first.pattern) < 8000
     assert all(len(one.content) < 0.5 * len(first.pattern) for one in others)
-
-
-def test_what_a_task_reads_is_what_was_planned(samples):
-    options = config(**SWEEP)
-    (record,) = (one for one in read_all(samples)[0] if one.id.startswith("CI.CLC..Up"))
-    task = next(task for task in planned(samples, options)[0] if "CLC" in task.key)
-    full = task.read(read_options(options))
-    assert [one.npts for one in full.channels] == [one.npts for one in task.planned.channels]
-    assert full.vertical is not None
-    assert full.vertical.acceleration.tolist() == record.acceleration.tolist()
-    assert all(one.pga > 0.0 for one in full.channels)
 
 
 def test_tasks_of_a_site_and_of_fragility_are_in_the_order_of_the_ids(tmp_path):
@@ -131,33 +92,33 @@ def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
 
 #: Every section with a change, and the verbs whose numbers it changes.
 CHANGES = [
-    ({"site": SiteSettings(name="x")}, ""),
-    ({"records": RecordSettings(paths=("x",))}, ""),
-    ({"records": RecordSettings(events="x.csv")}, ""),
-    ({"run": RunSettings(workers=3)}, ""),
-    ({"fragility": FragilitySettings(pga_min=0.5)}, "fragility"),
-    ({"fragility": FragilitySettings(data="cloud")}, "fragility"),
-    ({"fragility": FragilitySettings(confidence=0.8, model="logistic", overturning_model="lognormal")}, ""),
-    ({"records": RecordSettings(store="none")}, "assess calibrate fragility"),
-    ({"records": RecordSettings(include_vertical=True)}, "assess calibrate fragility"),
+    ({"site": rp.SiteSettings(name="x")}, ""),
+    ({"records": rp.RecordSettings(paths=("x",))}, ""),
+    ({"records": rp.RecordSettings(events="x.csv")}, ""),
+    ({"run": rp.RunSettings(workers=3)}, ""),
+    ({"fragility": rp.FragilitySettings(pga_min=0.5)}, "fragility"),
+    ({"fragility": rp.FragilitySettings(data="cloud")}, "fragility"),
+    ({"fragility": rp.FragilitySettings(confidence=0.8, model="logistic", overturning_model="lognormal")}, ""),
+    ({"records": rp.RecordSettings(store="none")}, "assess calibrate fragility"),
+    ({"records": rp.RecordSettings(include_vertical=True)}, "assess calibrate fragility"),
     # Told by the records that are read with them, and by each task.
-    ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
-    ({"records": RecordSettings(confirm=("*",))}, ""),
-    ({"run": RunSettings(seed=3)}, "assess"),
-    ({"uncertainty": UncertaintySettings(factor=0.2)}, "assess"),
-    ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
-    ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
-    ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate fragility"),
-    ({"sequence": SequenceSettings(spacing="middle")}, "assess calibrate fragility"),
+    ({"records": rp.RecordSettings(units="g", dt=0.02, files=(rp.FileSettings(match="*", units="g"),))}, ""),
+    ({"records": rp.RecordSettings(confirm=("*",))}, ""),
+    ({"run": rp.RunSettings(seed=3)}, "assess"),
+    ({"uncertainty": rp.UncertaintySettings(factor=0.2)}, "assess"),
+    ({"conditioning": rp.ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
+    ({"half_waves": rp.HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
+    ({"intense_phase": rp.IntensePhaseSettings(method="D5-75")}, "assess calibrate fragility"),
+    ({"sequence": rp.SequenceSettings(spacing="middle")}, "assess calibrate fragility"),
     ({"bodies": ()}, "assess calibrate fragility"),
     ({"bodies": (replace(WALL, restitution=0.9),)}, "assess calibrate fragility"),
-    ({"models": ModelSettings(use=("linear",))}, "assess"),
-    ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
-    ({"search": SearchSettings(intervals=True)}, "assess"),
-    ({"demands": (DemandSettings(name="x", value=1.0),)}, "assess calibrate fragility"),
-    ({"calibration": CalibrationSettings(spectrum="nonlinear")}, "calibrate"),
-    ({"calibration": CalibrationSettings(scale_to="pga", target=3.0)}, "calibrate"),
-    ({"calibration": CalibrationSettings(quantile=0.5, confidence=0.8, bootstrap=200, weights="w.csv")}, ""),
+    ({"models": rp.ModelSettings(use=("linear",))}, "assess"),
+    ({"search": rp.SearchSettings(factor_max=5.0)}, "assess fragility"),
+    ({"search": rp.SearchSettings(intervals=True)}, "assess"),
+    ({"demands": (rp.DemandSettings(name="x", value=1.0),)}, "assess calibrate fragility"),
+    ({"calibration": rp.CalibrationSettings(spectrum="nonlinear")}, "calibrate"),
+    ({"calibration": rp.CalibrationSettings(scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": rp.CalibrationSettings(quantile=0.5, confidence=0.8, bootstrap=200, weights="w.csv")}, ""),
 ]
 
 
@@ -170,15 +131,15 @@ def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(
 
 
 def test_the_seed_counts_in_an_assessment_only_where_there_is_a_probability():
-    off = replace(config(), uncertainty=UncertaintySettings(probability=False))
+    off = replace(config(), uncertainty=rp.UncertaintySettings(probability=False))
     for plain, same in ((config(), False), (off, True)):
-        seeded = replace(plain, run=RunSettings(seed=3))
+        seeded = replace(plain, run=rp.RunSettings(seed=3))
         assert (configuration_fingerprint(plain, "assess") == configuration_fingerprint(seeded, "assess")) is same
 
 
 def test_the_mean_over_directions_is_taken_when_all_records_are_done():
-    swept = replace(config(), records=RecordSettings(components="sweep"))
-    mean = replace(swept, uncertainty=UncertaintySettings(azimuth=True))
+    swept = replace(config(), records=rp.RecordSettings(components="sweep"))
+    mean = replace(swept, uncertainty=rp.UncertaintySettings(azimuth=True))
     assert configuration_fingerprint(swept, "assess") == configuration_fingerprint(mean, "assess")
 
 
@@ -196,7 +157,7 @@ def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_sch
 
 
 def test_a_body_is_the_same_whether_its_size_was_confirmed_or_not():
-    wall = BlockSettings(name="wall", width=0.3, height=2.4)
+    wall = rp.BlockSettings(name="wall", width=0.3, height=2.4)
     one, other = (
         configuration_fingerprint(Config(bodies=(body,)), "assess") for body in (wall, replace(wall, confirm_size=True))
     )
@@ -227,11 +188,11 @@ def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
 def test_unit_and_interval_of_some_files_change_the_fingerprints_of_these_only(tmp_path):
     for name in ("a.g3", "b.g3", "c.txt"):
         (tmp_path / name).write_text("\n".join(f"{value:.6f}" for value in pulse(300 + ord(name[0]))))
-    rows = (FileSettings(match="*", units="g", dt=0.01), FileSettings(match="b.*", units="cm/s2"))
+    rows = (rp.FileSettings(match="*", units="g", dt=0.01), rp.FileSettings(match="b.*", units="cm/s2"))
     before, units = (fingerprints(tmp_path, config(files=rows[:count])) for count in (1, 2))
     assert fingerprints(tmp_path, config(units="g", dt=0.01)) == before
     assert {name for name in before if before[name] != units[name]} == {"b.1"}
-    dt = fingerprints(tmp_path, config(files=(*rows, FileSettings(match="*.g3", dt=0.02))))
+    dt = fingerprints(tmp_path, config(files=(*rows, rp.FileSettings(match="*.g3", dt=0.02))))
     assert {name for name in units if units[name] != dt[name]} == {"a.1", "b.1"}
 
 
@@ -243,19 +204,19 @@ def test_what_is_confirmed_changes_the_fingerprints_of_the_tasks_that_it_names(s
 
 
 def test_what_a_run_is_asked_for_is_every_record_the_earthquake_of_each_and_the_whole_configuration(samples, tmp_path):
-    weighted = replace(config(), calibration=CalibrationSettings(weights="w.csv"), folder=tmp_path)
+    weighted = replace(config(), calibration=rp.CalibrationSettings(weights="w.csv"), folder=tmp_path)
     (tmp_path / "w.csv").write_text("record,weight\na,1\n")
     tasks, _ = planned(samples, weighted)
     events = dict.fromkeys((task.key for task in tasks), "one")
     plain = digest_of(tasks, events, weighted, "assess")
     assert digest_of(tasks[::-1], events, weighted, "assess") == plain
-    assert digest_of(tasks, events, replace(weighted, run=RunSettings(workers=3)), "assess") == plain
+    assert digest_of(tasks, events, replace(weighted, run=rp.RunSettings(workers=3)), "assess") == plain
     last = tasks[-1]
     seen = {
         plain,
         digest_of(tasks, events, weighted, "fragility"),
-        digest_of(tasks, events, replace(weighted, site=SiteSettings(name="x")), "assess"),
-        digest_of(tasks, events, replace(weighted, run=RunSettings(seed=3)), "assess"),
+        digest_of(tasks, events, replace(weighted, site=rp.SiteSettings(name="x")), "assess"),
+        digest_of(tasks, events, replace(weighted, run=rp.RunSettings(seed=3)), "assess"),
         digest_of(tasks[:-1], events, weighted, "assess"),
         digest_of(tasks, {**events, last.key: "other"}, weighted, "assess"),
         digest_of([*tasks[:-1], replace(last, fingerprint="x")], events, weighted, "assess"),
@@ -267,14 +228,17 @@ def test_what_a_run_is_asked_for_is_every_record_the_earthquake_of_each_and_the_
 
 
 def test_another_selection_of_records_is_another_task(tmp_path):
-    chosen = replace(config(), fragility=FragilitySettings(selection="chosen.csv"), folder=tmp_path)
+    chosen = replace(config(), fragility=rp.FragilitySettings(selection="chosen.csv"), folder=tmp_path)
     seen = set()
     for text in ("record,factor\na,1\n", "record,factor\na,2\n", "record,factor,weight\na,2,3\n"):
         (tmp_path / "chosen.csv").write_text(text)
         seen.add(configuration_fingerprint(chosen, "fragility"))
     assert len(seen) == 3
     # Whatever is asked of the results afterwards changes no record.
-    for change in ({"hazard": HazardSettings(k0=1e-4, k=2.0)}, {"check": CheckSettings(spectrum="en_1998_1", ag=0.2)}):
+    for change in (
+        {"hazard": rp.HazardSettings(k0=1e-4, k=2.0)},
+        {"check": rp.CheckSettings(spectrum="en_1998_1", ag=0.2)},
+    ):
         for verb in ("assess", "calibrate", "fragility"):
             plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
             assert plain == changed

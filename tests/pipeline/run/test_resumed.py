@@ -1,11 +1,10 @@
 """Batches that broke off, in part or as a whole: what they leave, what they say, and what resuming makes of it."""
 
 import pickle
-from contextlib import AbstractContextManager
 from dataclasses import replace
 
 import pytest
-from batch_runs import CONFIG, SITE, four_records, without_results
+from batch_runs import CONFIG, SITE, bar_of, four_records, without_results
 from file_contents import contents
 
 import rockpulse as rp
@@ -128,20 +127,9 @@ def test_what_killed_writers_have_left_is_swept_up(folder, tmp_path):
 
 def test_a_journal_that_is_removed_under_a_run_stops_it_and_nothing_is_claimed(folder, tmp_path, caplog):
     output = tmp_path / "results.h5"
-
-    class Removing(AbstractContextManager):
-        def __init__(self, desc, **given):
-            self.desc = desc
-
-        def __exit__(self, *error):
-            pass
-
-        def update(self, n):
-            if self.desc == "assessing":
-                journal_path(output).unlink()
-
+    removing = bar_of(lambda desc: desc == "assessing" and journal_path(output).unlink())
     with pytest.raises(ResultsError, match="removed during the run, and the finished records with it"):
-        assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1, bar=Removing))
+        assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1, bar=removing))
     assert "; nothing is kept, because " in caplog.text
     assert not output.exists()
 

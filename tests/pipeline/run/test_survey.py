@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from batch_runs import gathered
+from batch_runs import surveyed
 from record_writers import at2, pulse
 from record_writers.renadic import renadic
 
@@ -20,13 +20,6 @@ from rockpulse.run import survey
 from rockpulse.run.survey import survey_file
 
 OPTIONS = ReadOptions()
-
-
-def surveyed(paths, options=OPTIONS):
-    found, failures = find_files(paths)
-    # In any order, and as they come back from another process.
-    surveys = [pickle.loads(pickle.dumps(survey_file(one, options))) for one in reversed(found)]
-    return gathered(surveys, failures)
 
 
 def known(record: Record) -> dict[str, object]:
@@ -92,7 +85,7 @@ def test_a_located_record_is_small_however_many_samples_it_has(tmp_path):
     for count in (400, 40_000):
         path = tmp_path / f"{count}.AT2"
         path.write_bytes(at2(pulse(count)))
-        (one,), _ = surveyed(path)
+        (one,), _ = surveyed(path, OPTIONS)
         assert one.record.npts == count
         assert one.record.with_warning("x").acceleration.strides == (0,)
         sizes.append(len(pickle.dumps(one)))
@@ -112,7 +105,7 @@ def test_a_located_record_is_small_however_many_samples_it_has(tmp_path):
 def test_a_file_that_has_changed_gives_no_samples(tmp_path, change):
     path = tmp_path / "a.AT2"
     path.write_bytes(at2(pulse()))
-    (one,), _ = surveyed(path)
+    (one,), _ = surveyed(path, OPTIONS)
     assert one.read(OPTIONS).npts == 400
     path.write_bytes(change(path.read_bytes()))
     with pytest.raises(RecordRefused, match=r"^[^:]*a.AT2 has changed since .* --resume"):
@@ -122,7 +115,7 @@ def test_a_file_that_has_changed_gives_no_samples(tmp_path, change):
 def test_the_same_file_with_another_time_stamp_is_read(tmp_path):
     path = tmp_path / "a.AT2"
     path.write_bytes(at2(pulse()))
-    (one,), _ = surveyed(path)
+    (one,), _ = surveyed(path, OPTIONS)
     os.utime(path, (1.0, 1.0))
     assert one.read(OPTIONS).npts == 400
 
@@ -130,7 +123,7 @@ def test_the_same_file_with_another_time_stamp_is_read(tmp_path):
 def test_a_file_with_fewer_channels_than_before_gives_no_samples(samples, tmp_path):
     path = tmp_path / "CICCC.RAW"
     path.write_bytes((samples / path.name).read_bytes())
-    last = surveyed(path)[0][-1]
+    last = surveyed(path, OPTIONS)[0][-1]
     one = replace(last, parts=(replace(last.parts[0], channel=3),))
     with pytest.raises(RecordRefused, match="has changed"):
         one.read(OPTIONS)
@@ -143,7 +136,7 @@ def test_an_archive_that_lost_a_member_gives_no_samples(tmp_path):
             for number in range(count):
                 archive.writestr(f"{number}.AT2", at2(pulse(peak=0.1 * (number + 1))))
         if count == 2:
-            located, _ = surveyed(path)
+            located, _ = surveyed(path, OPTIONS)
     assert located[0].read(OPTIONS).npts == 400
     with pytest.raises(RecordRefused, match="fewer files than at the beginning"):
         located[1].read(OPTIONS)
@@ -154,7 +147,7 @@ def test_the_members_of_an_archive_are_unpacked_once_each_and_the_archive_opened
     with zipfile.ZipFile(path, "w") as archive:
         for number in range(12):
             archive.writestr(f"{number:02d}.AT2", at2(pulse(peak=0.1 + 0.01 * number)))
-    located, _ = surveyed(path)
+    located, _ = surveyed(path, OPTIONS)
     calls = {"open": 0, "member": 0}
 
     class Counted(Archive):

@@ -7,69 +7,51 @@ from functools import partial
 
 import numpy as np
 import pytest
-from batch_runs import gathered
+from batch_runs import planned
 from nominal import Config, ida
 from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
-from rockpulse import (
-    BlockSettings,
-    CalibrationSettings,
-    ConditioningSettings,
-    DemandSettings,
-    IntensePhaseSettings,
-    ModelSettings,
-    RecordSettings,
-    SearchSettings,
-)
+import rockpulse as rp
 from rockpulse.assessment.assessment import Assessment, assess
 from rockpulse.assessment.tree import joined_parts
-from rockpulse.readers.folders import find_files, read_all
+from rockpulse.readers.folders import read_all
 from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.survey import survey_file
-from rockpulse.run.tasks import carry_out, read_options, tasks_of
+from rockpulse.run.tasks import carry_out
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
-WALL = BlockSettings(name="wall", width=0.4, height=3.0)
-TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
+WALL = rp.BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = rp.BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
 CHEAP = Config(
     bodies=(WALL, replace(TOWER, restitution="housner")),
-    models=ModelSettings(use=("sequence", "impulsive", "linear")),
-    search=SearchSettings(models=()),
+    models=rp.ModelSettings(use=("sequence", "impulsive", "linear")),
+    search=rp.SearchSettings(models=()),
 )
 CONFIGURATIONS = {
     "horizontal": CHEAP,
     "cases": replace(
         CHEAP,
         bodies=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
-        demands=(DemandSettings(name="damage", value=1.0),),
+        demands=(rp.DemandSettings(name="damage", value=1.0),),
     ),
     "vertical": replace(
         CHEAP,
-        records=RecordSettings(include_vertical=True, store="half_waves"),
-        models=ModelSettings(use=("nonlinear",), histories=True),
+        records=rp.RecordSettings(include_vertical=True, store="half_waves"),
+        models=rp.ModelSettings(use=("nonlinear",), histories=True),
     ),
     "sweep": replace(
-        CHEAP, records=RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
+        CHEAP, records=rp.RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
     ),
     # The horizontal channels have 3 and -2.5 m/s2 at once: not every direction exceeds the bracket.
     "failing": replace(
         CHEAP,
-        records=RecordSettings(components="sweep", azimuth_step=20.0),
-        intense_phase=IntensePhaseSettings(method="bracketed", level=3.2),
+        records=rp.RecordSettings(components="sweep", azimuth_step=20.0),
+        intense_phase=rp.IntensePhaseSettings(method="bracketed", level=3.2),
     ),
 }
-
-
-def planned(paths, analysis):
-    """The tasks of an analysis, and what is plan for it."""
-    found, failures = find_files(paths)
-    located, rows = gathered([survey_file(one, read_options(analysis.config)) for one in found], failures)
-    plan = analysis.plan([one.record for one in located], rows)
-    return tasks_of([*plan.planned], located, analysis.config, analysis.name), plan
 
 
 def function_of(analysis):
@@ -120,8 +102,8 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
     # Filtering needs corners below the Nyquist frequency.
     config = replace(
         CHEAP,
-        records=RecordSettings(components="azimuth", azimuth=30.0),
-        conditioning=ConditioningSettings(lowpass_hz=120.0),
+        records=rp.RecordSettings(components="azimuth", azimuth=30.0),
+        conditioning=rp.ConditioningSettings(lowpass_hz=120.0),
     )
     done, _, rows = carried_out(two_files, Assessment(config))
     records, failures = read_all(two_files)
@@ -140,10 +122,10 @@ def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, a
     asked = analysis(
         Config(
             bodies=CHEAP.bodies,
-            calibration=CalibrationSettings(bootstrap=100),
+            calibration=rp.CalibrationSettings(bootstrap=100),
             fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
-            search=SearchSettings(points=8),
-            records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
+            search=rp.SearchSettings(points=8),
+            records=rp.RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
         )
     )
     done, motions, rows = carried_out(two_files, asked)
@@ -189,7 +171,7 @@ def test_a_file_that_changed_or_vanished_since_the_survey_is_a_row(one_task, cha
 def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
     path = one_task[0]
     path.write_bytes(at2(pulse() + 0.05))  # the velocity drifts
-    analysis = Assessment(replace(CHEAP, conditioning=ConditioningSettings(baseline="none")))
+    analysis = Assessment(replace(CHEAP, conditioning=rp.ConditioningSettings(baseline="none")))
     ((task,), _) = planned(path, analysis)
     done = function_of(analysis)(task)
     assert [(level, "baseline drift" in text) for _, level, text in done.messages] == [(logging.WARNING, True)]

@@ -7,9 +7,10 @@ import shutil
 from codecs import BOM_UTF8
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet, check_file
@@ -117,13 +118,14 @@ def write_table(
             else:
                 sep, decimal = (";", ",") if decimal_comma else (",", ".")
                 encoding = "utf-8-sig" if decimal_comma else "utf-8"
-                with _opened(part, target.name.endswith(".gz"), encoding) as file:
+                opened = partial(gzip.open, compresslevel=4) if target.suffix == ".gz" else open
+                with opened(part, "wt", encoding=encoding, newline="") as file:
                     for number, frame in enumerate(table.frames()):
                         shown = one_line(frame) if raw else safe_texts(frame)
                         shown.to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
                         seen(frame)
                 if not raw and encoding == "utf-8":
-                    _mark_encoding(part, target.name.endswith(".gz"))
+                    _mark_encoding(part, opened)
             files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
             files.commit()
     except OSError as error:
@@ -133,15 +135,8 @@ def write_table(
     return target, readme
 
 
-def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
-    if compressed:
-        return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
-    return Path(path).open("w", encoding=encoding, newline="")
-
-
-def _mark_encoding(path: Path, compressed: bool) -> None:
+def _mark_encoding(path: Path, opened: Callable[..., Any]) -> None:
     """Add a byte order mark to a file with non-ASCII characters, by which spreadsheets recognise UTF-8."""
-    opened = gzip.open if compressed else open
     marked = path.with_name(f"{path.name}.marked")
     with ExitStack() as stack:
         stack.callback(marked.unlink, missing_ok=True)
