@@ -105,10 +105,7 @@ def test_a_vertical_that_is_positive_downwards_is_turned(put):
 def test_a_clock_that_is_uneven_is_brought_to_its_mean_interval(put, kind):
     rng = np.random.default_rng(2)
     even = 0.01 * np.arange(1000)
-    times = {
-        "jitter": even + rng.uniform(-0.002, 0.002, 1000),
-        "drift": even * (1.0 + 1e-5 * np.arange(1000)),
-    }[kind]
+    times = {"jitter": even + rng.uniform(-0.002, 0.002, 1000), "drift": even * (1.0 + 1e-5 * np.arange(1000))}[kind]
     values = np.sin(2.0 * np.pi * 2.0 * times)
     (record,) = read(put("t (s),a (m/s2)\n" + table(values, times)))
     assert "resampled_clock" in [code_of(note) for note in record.warnings]

@@ -175,10 +175,7 @@ def test_two_miniseed_files_that_would_share_a_station_file_are_refused(tmp_path
     ("changes", "message"),
     [
         ({"acceleration": 1.000000001 * EAST.acceleration}, r"the samples of CI\.CLC\.\.90 would differ after reading"),
-        (
-            {"azimuth": np.nan, "component": "", "channel": "HN1"},
-            "the azimuth would be read back as nan instead of 90",
-        ),
+        ({"azimuth": np.nan, "component": "", "channel": "HN1"}, "the azimuth would be read back as nan instead of 90"),
     ],
 )
 def test_miniseed_that_does_not_come_back_whole_is_refused_and_nothing_stays(tmp_path, monkeypatch, changes, message):
