@@ -109,7 +109,27 @@ def condition(
     >>> shifted.acceleration.tolist(), shifted.processing
     ([0.0, -1.0, 1.0, 0.0], ('baseline: mean of all samples, 2 m/s2, subtracted',))
     """
-    _check(record, baseline, highpass_hz, lowpass_hz, order, taper_s, resample_s, pre_event_s)
+    nyquist, length = 0.5 / record.dt, record.duration
+    band = f"a frequency above 0 and below the Nyquist frequency {nyquist:g} Hz of {record.id}"
+    window = f"a window of at least two samples inside {record.id}, {record.dt:g} to {length:g} s"
+    tapers = f"0 to {0.5 * length:g} s, half the length of {record.id}"
+    interval = f"a positive interval in s, no longer than {record.id} ({length:g} s)"
+    for name, right, given, expected in (
+        ("baseline", baseline in BASELINES, baseline, f"one of {', '.join(BASELINES)}"),
+        ("highpass_hz", highpass_hz is None or 0.0 < highpass_hz < nyquist, highpass_hz, band),
+        ("lowpass_hz", lowpass_hz is None or 0.0 < lowpass_hz < nyquist, lowpass_hz, band),
+        ("order", type(order) is int and 1 <= order <= 10, order, "a whole number from 1 to 10"),
+        ("taper_s", taper_s is None or 0.0 <= taper_s <= 0.5 * length, taper_s, tapers),
+        ("resample_s", resample_s is None or 0.0 < resample_s <= length, resample_s, interval),
+        ("pre_event_s", pre_event_s is None or record.dt <= pre_event_s <= length, pre_event_s, window),
+    ):
+        if not right:
+            raise ConfigError(f"condition: {name}: expected {expected}, got {given!r}")
+    if highpass_hz is not None and lowpass_hz is not None and highpass_hz >= lowpass_hz:
+        raise ConfigError(f"condition: expected highpass_hz below lowpass_hz, got {highpass_hz!r} and {lowpass_hz!r}")
+    if pre_event_s is not None and baseline not in ("auto", "pre-event"):
+        only = "pre_event_s applies only to baseline 'pre-event' or 'auto'"
+        raise ConfigError(f"condition: {only}, found {baseline!r}; leave it out")
     record = BASELINES[baseline](with_defects(record), pre_event_s)
     corner, unfiltered = highpass_hz or lowpass_hz, record
     if taper_s is None:
@@ -123,58 +143,11 @@ def condition(
     return replace(_watched(record), stage="conditioned")
 
 
-def _check(
-    record: Record,
-    baseline: str,
-    highpass: float | None,
-    lowpass: float | None,
-    order: int,
-    taper: float | None,
-    resample: float | None,
-    pre_event: float | None,
-) -> None:
-    if baseline not in BASELINES:
-        raise ConfigError(f"condition: baseline: expected one of {', '.join(BASELINES)}, got {baseline!r}")
-    nyquist = 0.5 / record.dt
-    for name, corner in (("highpass_hz", highpass), ("lowpass_hz", lowpass)):
-        if corner is not None and not 0.0 < corner < nyquist:
-            raise ConfigError(
-                f"condition: {name}: expected a frequency above 0 and below the Nyquist frequency {nyquist:g} Hz "
-                f"of {record.id}, got {corner!r}"
-            )
-    if highpass is not None and lowpass is not None and highpass >= lowpass:
-        raise ConfigError(f"condition: expected highpass_hz below lowpass_hz, got {highpass!r} and {lowpass!r}")
-    if isinstance(order, bool) or not isinstance(order, int) or not 1 <= order <= 10:
-        raise ConfigError(f"condition: order: expected a whole number from 1 to 10, got {order!r}")
-    if taper is not None and not 0.0 <= taper <= 0.5 * record.duration:
-        raise ConfigError(
-            f"condition: taper_s: expected 0 to {0.5 * record.duration:g} s, half the length of {record.id}, "
-            f"got {taper!r}"
-        )
-    if resample is not None and not (math.isfinite(resample) and 0.0 < resample <= record.duration):
-        raise ConfigError(
-            f"condition: resample_s: expected a positive interval in s, no longer than {record.id} "
-            f"({record.duration:g} s), got {resample!r}"
-        )
-    if pre_event is not None:
-        if baseline not in ("auto", "pre-event"):
-            raise ConfigError(
-                f"condition: pre_event_s applies only to baseline 'pre-event' or 'auto', found {baseline!r}; "
-                "leave it out"
-            )
-        if not record.dt <= pre_event <= record.duration:
-            raise ConfigError(
-                f"condition: pre_event_s: expected a window of at least two samples inside {record.id}, "
-                f"{record.dt:g} to {record.duration:g} s, got {pre_event!r}"
-            )
-
-
 def _watched(record: Record) -> Record:
     """Add a warning on baseline drift if the ground velocity of the record drifts; otherwise remove such a warning."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
-    warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
-    record = record if warnings == record.warnings else replace(record, warnings=warnings)
+    record = replace(record, warnings=tuple(one for one in record.warnings if code_of(one) != "baseline_drift"))
     slow, rest = slow_velocity(record.acceleration, record.dt)
     if abs(final) <= DRIFT_SHARE * peak and slow <= DRIFT * rest:
         return record

@@ -23,12 +23,6 @@ STANDARD_GRAVITY = 9.80665
 BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
-#: Fields of a record that have the same text in many records of a batch.
-_SHARED = """network station location channel station_name component orientation format source_unit event event_id
-magnitude_type site_class stage"""
-SHARED = frozenset(_SHARED.split())
-#: Fields of a record that have the same number in many records of a batch.
-SHARED_NUMBERS = frozenset(("dt", "azimuth", "unit_factor", "magnitude"))
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 Stage = Literal["read", "checked", "conditioned"]
@@ -274,24 +268,18 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
     values[0].setflags(write=False)
     record = object.__new__(kind)
     for item, value in zip(fields(kind), values, strict=True):
-        if item.name in SHARED and type(value) is str:
+        if type(value) is str:
             value = sys.intern(value)
-        elif isinstance(value, float) and math.isnan(value):
-            value = math.nan
-        elif isinstance(value, float) and item.name in SHARED_NUMBERS:
-            value = _shared(value, math.copysign(1.0, value))
+        elif isinstance(value, float):
+            value = math.nan if math.isnan(value) else _shared(value, math.copysign(1.0, value))
         object.__setattr__(record, item.name, value)
     return record
 
 
 def _spread(acceleration: np.ndarray) -> bool:
     """Return whether an array of samples contains a single number in memory, as ``np.broadcast_to`` returns it."""
-    return (
-        isinstance(acceleration, np.ndarray)
-        and acceleration.dtype == float
-        and acceleration.strides == (0,)
-        and not acceleration.flags.writeable
-    )
+    constant = isinstance(acceleration, np.ndarray) and acceleration.strides == (0,)
+    return constant and acceleration.dtype == float and not acceleration.flags.writeable
 
 
 def record_id(
