@@ -32,6 +32,7 @@ class Writer:
     """A format in which records can be written."""
 
     suffix: str  # suffix of the files that it writes
+    suffixes: tuple[str, ...]  # all suffixes of the format, in lower case
     lost: str  # describes the properties of a record that the files cannot contain
     # returns the content of the file of one record; None if all records go into one file
     one: Callable[[Record], bytes] | None = None
@@ -39,12 +40,6 @@ class Writer:
     # whether every azimuth and state of processing is stored; if not, reading may lose but never change them
     whole: bool = True
     structure: bool = False  # whether a file states that its channel is on a structure
-    others: tuple[str, ...] = ()  # further suffixes of the format, in lower case
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        """Return the file suffixes of the format in lower case."""
-        return (self.suffix.lower(), *self.others)
 
 
 _AT2 = "AT2 stores accelerations in g to 8 digits, plus event, date, station and direction, but not the start time, "
@@ -56,9 +51,9 @@ _MSEED += "StationXML, which has the same name, stores the directions and whethe
 _MSEED += "processing and the warnings are not stored"
 #: The formats by their names for ``rockpulse convert --format``.
 WRITERS = {
-    "at2": Writer(".AT2", _AT2, at2_bytes, digits=0.51e-7, structure=True),
-    "csv": Writer(".csv", _CSV, csv_bytes, whole=False),
-    "mseed": Writer(".mseed", _MSEED, others=(".miniseed", ".ms")),
+    "at2": Writer(".AT2", (".at2",), _AT2, at2_bytes, digits=0.51e-7, structure=True),
+    "csv": Writer(".csv", (".csv",), _CSV, csv_bytes, whole=False),
+    "mseed": Writer(".mseed", (".mseed", ".miniseed", ".ms"), _MSEED),
 }
 
 
@@ -290,21 +285,14 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
     """Return how the record read back, `again`, differs in direction or processing, or, if `whole`, lacks them."""
-    if orientation_of(record) == "unknown":  # the file name may state a direction
-        return _wrong_state(record, again, whole)
-    if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
-        return f"the orientation would be read back as {again.orientation!r} instead of {orientation_of(record)!r}"
-    azimuth, back = azimuth_of(record), again.azimuth
+    lies, azimuth, back = orientation_of(record), azimuth_of(record), again.azimuth
+    stated = lies != "unknown"  # otherwise, the file name may state a direction
+    if stated and again.orientation not in (lies, record.orientation, "unknown"):
+        return f"the orientation would be read back as {again.orientation!r} instead of {lies!r}"
     known = record.orientation != "vertical" and np.isfinite(azimuth)
     off = abs((back - azimuth + 180.0) % 360.0 - 180.0) if known else np.nan
-    missing = not np.isfinite(back)
-    if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
+    if stated and not (off <= _AZIMUTH_TOLERANCE if np.isfinite(back) else not (known and whole)):
         return f"the azimuth would be read back as {back:g} instead of {azimuth:g}"
-    return _wrong_state(record, again, whole)
-
-
-def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return how the record read back, `again`, differs in processing or, if `whole`, lacks the state."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"its property processed would be read back as {again.processed} instead of {record.processed}"
     return ""

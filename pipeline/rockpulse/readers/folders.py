@@ -18,23 +18,13 @@ from rockpulse.errors import (
     stored_remedies,
 )
 from rockpulse.files import check_regular
-from rockpulse.readers import ReadOptions, read_source
+from rockpulse.readers import ReadOptions, read_source, source
 from rockpulse.readers import read as read_file
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.file_pairs import PairSettings, check_pairs
 from rockpulse.readers.format import FileSettings
 from rockpulse.readers.no_record import is_quiet
 from rockpulse.readers.parts import sample_digest, settled
-from rockpulse.readers.source import (
-    NoRecord,
-    NotAcceleration,
-    OtherKind,
-    SourceFile,
-    TableOfResults,
-    check_link,
-    folder_station_files,
-    open_source,
-)
 from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
@@ -52,7 +42,7 @@ class Opened(NamedTuple):
     """A file or a member of an archive that was opened, or the error if it could not be opened."""
 
     name: str  # as in `Record.source`
-    file: SourceFile | RockpulseError | OSError  # the file, or the error that prevented its opening
+    file: source.SourceFile | RockpulseError | OSError  # the file, or the error that prevented its opening
     member: int | None = None  # index in `Archive.names`; None for a file outside an archive
 
 
@@ -178,7 +168,7 @@ def read_all(
     found, failures = find_files(paths)
     check_patterns(found, options)
     # The station metadata of a folder are read once for all its records.
-    station_files = lru_cache(maxsize=16)(folder_station_files)
+    station_files = lru_cache(maxsize=16)(source.folder_station_files)
     records: list[Record] = []
     for item in found:
         for opened in open_files(item, station_files):
@@ -289,17 +279,17 @@ def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
 
 
 def _quiet_file(path: Path) -> bool:
-    return is_quiet(str(path), partial(open_source, path))
+    return is_quiet(str(path), partial(source.open_source, path))
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
     """Yield the opened file, or each opened member of an archive; an error is yielded instead of being raised."""
     path = found.path
     try:
-        check_link(path)
+        source.check_link(path)
         check_regular(path, RecordRefused)
         if not is_archive(path):
-            yield Opened(str(path), open_source(path, partial(station_files, path.parent)))
+            yield Opened(str(path), source.open_source(path, partial(station_files, path.parent)))
             return
         empty = True
         with Archive(path) as archive:
@@ -308,7 +298,7 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
                     continue
                 empty = False
                 try:
-                    member: SourceFile | RockpulseError = archive.member(number)
+                    member: source.SourceFile | RockpulseError = archive.member(number)
                 except RockpulseError as fault:
                     member = fault
                 yield Opened(name, member, number)
@@ -328,9 +318,11 @@ def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
 def read_failure(found: Found, name: str, fault: Exception) -> Failure:
     """Return the failure for a file or a member of an archive that has no record because of `fault`."""
     named = found.named and name == str(found.path)
-    if isinstance(fault, NoRecord) and not named:
+    if isinstance(fault, source.NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
-    skipped = isinstance(fault, OtherKind | TableOfResults) or (isinstance(fault, NotAcceleration) and not named)
+    skipped = isinstance(fault, source.OtherKind | source.TableOfResults) or (
+        isinstance(fault, source.NotAcceleration) and not named
+    )
     remedy = stored_remedies(fault.remedies) if isinstance(fault, RockpulseError) else ""
     return Failure(name, "read", reason, "skipped" if skipped else "failed", remedy)

@@ -68,26 +68,23 @@ class Neighbours:
         starts = [(record.start_time, place) for place, record in enumerate(records)]
         self._timed = sorted((start.timestamp(), place) for start, place in starts if start is not None)
         self._longest = max((records[place].duration for _, place in self._timed), default=0.0)
-        self._of_source: dict[str, list[int]] = defaultdict(list)
-        self._of_event: dict[tuple[object, ...], list[int]] = defaultdict(list)
+        self._alike: dict[object, list[int]] = defaultdict(list)
         for place, record in enumerate(records):
-            self._of_source[record.source].append(place)
-            if record.start_time is None:
-                self._of_event[_occasion(record)].append(place)
-            if record.together:
-                self._of_source[record.together].append(place)
+            keys: set[object] = {record.source, record.together or record.source}
+            for key in keys | ({_occasion(record)} if record.start_time is None else set()):
+                self._alike[key].append(place)
 
     def of(self, record: Record) -> list[Record]:
         """Return the channels in the file of a record or near it in time (if unknown: with its event and folder)."""
+        places = {*self._alike.get(record.together or record.source, ())}
         if record.start_time is None:
-            places = set(self._of_event.get(_occasion(record), ()))
+            places.update(self._alike.get(_occasion(record), ()))
         else:
             start = record.start_time.timestamp()
             # One sampling interval is added for rounded start times.
             first = bisect_left(self._timed, (start - self._longest - record.dt,))
             last = bisect_left(self._timed, (start + record.duration + record.dt,))
-            places = {place for _, place in self._timed[first:last]}
-        places.update(self._of_source.get(record.together or record.source, ()))
+            places.update(place for _, place in self._timed[first:last])
         return [self._records[place] for place in sorted(places)]
 
 
@@ -102,17 +99,13 @@ def select_horizontal(
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
-        if kind == "structural" and structural and np.isfinite(record.azimuth):
-            horizontal.append(record.with_warning(WarningText("on_structure")))
-        elif kind == "vertical" or kind == "structural":
+        if kind == "vertical" or (kind == "structural" and not (structural and np.isfinite(record.azimuth))):
             reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
-            if kind == "structural" and configured and not structural:
-                reason += _TAKEN
+            reason += _TAKEN if kind == "structural" and configured and not structural else ""
             failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
-        elif kind == "unknown":
-            horizontal.append(record.with_warning(WarningText("orientation_unknown")))
         else:
-            horizontal.append(record)
+            note = {"structural": "on_structure", "unknown": "orientation_unknown"}.get(kind)
+            horizontal.append(record.with_warning(WarningText(note)) if note else record)
     return horizontal, failures
 
 

@@ -283,17 +283,13 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
 def _cut(channel: Record, other: Record) -> Record:
     """Return the channel cut to its common time with another channel, with a warning that states what was cut."""
     start = offset(channel, other)
-    share = CLOCK_SHARE
-    begin = max(0, math.floor(start / channel.dt + share))
-    end = min(channel.npts - 1, math.ceil((start + other.duration) / channel.dt - share))
+    begin = max(0, math.floor(start / channel.dt + CLOCK_SHARE))
+    end = min(channel.npts - 1, math.ceil((start + other.duration) / channel.dt - CLOCK_SHARE))
     _check_overlap(channel, other, end - begin + 1)
     if begin == 0 and end == channel.npts - 1:
         return channel
-    lost = [
-        f"{length:.4g} s at its {place}"
-        for length, place in ((begin * channel.dt, "start"), (channel.duration - end * channel.dt, "end"))
-        if length > 0.0
-    ]
+    ends = ((begin * channel.dt, "start"), (channel.duration - end * channel.dt, "end"))
+    lost = [f"{length:.4g} s at its {place}" for length, place in ends if length > 0.0]
     cut = replace(channel, acceleration=channel.acceleration[begin : end + 1], start_time=_after(channel, begin))
     return cut.with_warning(f"cut to the time in common with {other.id}: {' and '.join(lost)} left out")
 

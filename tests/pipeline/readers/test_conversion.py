@@ -13,7 +13,7 @@ from source_files import raises_if
 
 import rockpulse as rp
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.readers.conversion import _wrong, check_output
+from rockpulse.readers.conversion import check_output
 from rockpulse.record.record import Record
 
 EAST = Record(pulse(300, 2.0), 0.01, "CI.CLC..90", "CI", "CLC", channel="90", orientation="horizontal", azimuth=90.0)
@@ -321,42 +321,3 @@ def test_a_file_that_would_not_be_read_again_is_not_kept(tmp_path, monkeypatch):
     with pytest.raises(RecordRefused, match=r"out\.csv: the file could not be read back .*; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
-
-
-NORTH = replace(EAST, azimuth=0.0)
-NO_AZIMUTH = replace(EAST, azimuth=float("nan"))
-
-
-@pytest.mark.parametrize(
-    ("record", "again", "whole", "partly"),
-    [
-        (EAST, EAST, "", ""),
-        (EAST, replace(EAST, azimuth=90.00005), "", ""),
-        (EAST, replace(EAST, azimuth=89.99995), "", ""),
-        (EAST, replace(EAST, azimuth=90.0002), "azimuth", "azimuth"),
-        (EAST, replace(EAST, azimuth=90.5), "azimuth", "azimuth"),
-        (NORTH, replace(EAST, azimuth=359.99995), "", ""),
-        (NORTH, replace(EAST, azimuth=359.5), "azimuth", "azimuth"),
-        (NORTH, replace(EAST, azimuth=1.0), "azimuth", "azimuth"),
-        (NORTH, replace(EAST, azimuth=359.0), "azimuth", "azimuth"),
-        (NORTH, replace(EAST, azimuth=180.0), "azimuth", "azimuth"),
-        (EAST, NO_AZIMUTH, "azimuth", ""),
-        (NO_AZIMUTH, NO_AZIMUTH, "", ""),
-        (NO_AZIMUTH, EAST, "azimuth", "azimuth"),
-        (EAST, replace(EAST, orientation="unknown"), "", ""),
-        (EAST, UP, "orientation", "orientation"),
-        (UP, UP, "", ""),
-        (UP, EAST, "orientation", "orientation"),
-        (replace(UP, azimuth=90.0), UP, "", ""),
-        (replace(EAST, orientation="structural"), EAST, "", ""),
-        (replace(EAST, orientation="structural"), replace(EAST, orientation="structural"), "", ""),
-        (replace(EAST, processed=True), EAST, "processed", ""),
-        (EAST, replace(EAST, processed=True), "processed", "processed"),
-        (replace(EAST, processed=False), replace(EAST, processed=True), "processed", "processed"),
-    ],
-)
-def test_properties_may_be_missing_only_where_a_format_has_no_place_for_them(record, again, whole, partly):
-    for everything, word in ((True, whole), (False, partly)):
-        told = _wrong(record, again, everything)
-        assert bool(told) is bool(word)
-        assert f"{word} would be read back as" in told or not word

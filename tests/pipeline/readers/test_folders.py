@@ -5,27 +5,22 @@ import hashlib
 import os
 from dataclasses import replace
 from datetime import UTC, datetime
-from pathlib import Path
 
 import numpy as np
 import pytest
 from record_writers import csmip_equal, pulse
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
-from rockpulse.errors import ConfigError, RecordFormatError, UnitError
+from rockpulse.errors import ConfigError, UnitError
 from rockpulse.readers import FileSettings, folders
 from rockpulse.readers.folders import (
     Found,
     check_patterns,
     find_files,
-    in_order,
     read_all,
-    read_failure,
-    sample_digest,
     settled,
 )
 from rockpulse.readers.format import ReadOptions
-from rockpulse.readers.source import NoRecord, NotAcceleration
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
 
@@ -371,39 +366,3 @@ def test_one_motion_under_two_names(one, other, kept):
     found, rows = settled(records, lambda record: "same")
     assert (len(found), len(rows)) == (kept, 2 - kept)
     assert len(settled(records, lambda record: str(id(record)))[0]) == 2
-
-
-def test_records_are_sorted_by_path_and_channel_and_have_ids_of_their_own():
-    places = [("n", "1"), ("m", "2"), ("m", "1")]
-    records = [replace(PLAIN, source=source, channel=channel) for source, channel in places]
-    found, rows = settled(records, lambda record: str(id(record)))
-    assert [(record.source, record.channel, record.id) for record, _ in found] == [
-        *(("m", "1", "a.1"), ("m", "2", "a.1~2"), ("n", "1", "a.1~3"))
-    ]
-    assert [pieces for _, pieces in found] == [(records[2],), (records[1],), (records[0],)]
-    assert rows == []
-
-
-def test_a_digest_is_that_of_samples_and_interval():
-    same = replace(PLAIN, source="n", id="other")
-    others = [replace(PLAIN, dt=0.02), replace(PLAIN, acceleration=np.array([0.0, 1.0, 0.5]))]
-    assert sample_digest(PLAIN) == sample_digest(same)
-    assert len({sample_digest(one) for one in (PLAIN, *others)}) == 3
-
-
-@pytest.mark.parametrize(
-    ("fault", "name", "named", "kind", "reason"),
-    [
-        (NoRecord("a: odd"), "a", True, "failed", "a: odd"),
-        (NoRecord("a: odd"), "a", False, "skipped", "a: no record"),
-        (NoRecord("a!b: odd"), "a!b", True, "skipped", "a!b: no record"),
-        (NotAcceleration("a: speed"), "a", True, "failed", "a: speed"),
-        (NotAcceleration("a: speed"), "a", False, "skipped", "a: speed"),
-        (RecordFormatError("torn"), "x", False, "failed", "x: torn"),
-        (OSError("gone"), "a!b", True, "failed", "a!b: gone"),
-    ],
-)
-def test_the_row_of_a_file_that_gave_no_record(fault, name, named, kind, reason):
-    row = read_failure(Found(Path("a"), named), name, fault)
-    assert (row.file, row.stage, row.kind, row.reason) == (name, "read", kind, reason)
-    assert in_order(row) == (name, reason)

@@ -180,13 +180,6 @@ def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
     assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
 
 
-def test_a_trace_that_does_not_say_whether_its_start_time_is_known_has_it():
-    start = datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)
-    trace = rp.to_trace(replace(EAST, start_time=start))
-    del trace.stats.rockpulse["start_time_known"]
-    assert rp.from_trace(trace).start_time == start
-
-
 def test_a_channel_on_a_structure_stays_on_it():
     trace = rp.to_trace(replace(EAST, orientation="structural"))
     trace.stats.channel = "HNT"
@@ -289,13 +282,6 @@ def test_the_entry_points_name_what_is_there(name):
     assert set(points) == {"isFormat", "readFormat"}
     assert points["isFormat"].load() == PLUGINS[name].is_format
     assert points["readFormat"].load() == PLUGINS[name].read_format
-
-
-def test_an_unknown_name_is_no_attribute():
-    from rockpulse.readers import obspy_plugin
-
-    with pytest.raises(AttributeError, match="NOSUCH"):
-        _ = obspy_plugin.NOSUCH
 
 
 @pytest.mark.sweep

@@ -88,14 +88,6 @@ def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
         read(tmp_path / "bomb.AT2.gz" if kind == "path" else io.BytesIO(bomb))
 
 
-def test_what_is_compressed_as_many_times_as_the_limit_says_is_read():
-    for size, content in ((2, bytes(1000)), (0, bytes(500))):
-        assert source._unpack("a.gz", io.BytesIO(gzip.compress(content)), size, 10**9) == content
-        with pytest.raises(RecordRefused, match="its compression ratio is above the limit of 500"):
-            source._unpack("a.gz", io.BytesIO(gzip.compress(content + b"1")), size, 10**9)
-    assert source._unpack("a.gz", io.BytesIO(gzip.compress(bytes(1000))), 2, 7) == bytes(7)
-
-
 def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
     make_zip(tmp_path / "a.zip", **{"a.AT2": ONE})
     for given in (tmp_path / "a.zip", (tmp_path / "a.zip").open("rb")):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from rockpulse.readers.folders import read_all
-from rockpulse.record import components
 from rockpulse.record.components import (
     Neighbours,
     align,
@@ -323,34 +322,6 @@ def test_a_channel_in_an_unknown_direction_is_taken_with_a_warning():
         assert [one.code for one in chosen[0].warnings] == ["orientation_unknown"]
         assert chosen[1].warnings == ()
         assert [(one.kind, one.reason) for one in failures] == [("vertical", f"vertical: {VERTICAL}")]
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_neighbours_hold_every_channel_that_was_recorded_together_with_one(seed):
-    draw = np.random.default_rng(seed)
-
-    def any_record(number):
-        known = draw.random() < 0.6
-        return replace(
-            record("horizontal", START + timedelta(seconds=float(draw.integers(0, 4))) if known else None),
-            acceleration=np.arange(float(draw.choice([3, 100, 400]))),
-            id=f"{number}",
-            station=str(draw.choice(["", "CCC"])),
-            station_name=str(draw.choice(["", "Christmas Canyon"])),
-            event=str(draw.choice(["", "Ridgecrest"])),
-            source=str(draw.choice(["a.v1", "b.v1", "sub/c.v1"])),
-        )
-
-    records = [any_record(number) for number in range(40)]
-    neighbours = Neighbours(records)
-    together = 0
-    for one in records:
-        near = neighbours.of(one)
-        assert [int(other.id) for other in near] == sorted(int(other.id) for other in near)
-        expected = {other.id for other in records if components._together(one, other)}
-        assert expected <= {other.id for other in near}
-        together += len(expected)
-    assert 40 < together < 40 * 40
 
 
 def test_among_thousands_of_channels_of_one_station_few_are_looked_at():

@@ -299,51 +299,5 @@ def test_the_search_is_enough_on_a_recorded_motion(ccc):
     assert strongest_azimuth(short)[1] >= brute_force(short) * (1.0 - 1e-9)
 
 
-def joined_within(low, high, azimuth, base, others):
-    """A motion whose strongest pulse is whole between two directions only.
-
-    Pulses of 1 stand in the directions of `others` and one of `base` at 100 degrees. Two of 0.55 face the `azimuth`;
-    the two faint samples between them are not negative from `low` to `high`: there both pulses are one of 1.1.
-    """
-    pulse, gap = np.array([0.0, 1.0, 1.0, 0.0]), np.zeros(2)
-    parts = [(size * pulse, way) for size, way in [(base, 100.0), *((1.0, way) for way in others)]]
-    parts += [
-        (0.55 * pulse[:3], azimuth),
-        ([1e-4], low + 90.0),
-        ([1e-4], high - 90.0),
-        (0.55 * pulse[1:], azimuth),
-        (gap, 0.0),
-    ]
-    return (
-        np.concatenate([np.multiply(size, turn(np.radians(way))) for size, way in parts]) for turn in (np.cos, np.sin)
-    )
-
-
-OTHERS = [10.0, 40.0, 70.0, 130.0, 160.0]
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize(
-    ("low", "high", "azimuth", "base", "others", "expected"),
-    [
-        (100.3, 100.7, 100.5, 0.99, [30.0], 100.5),
-        (100.85, 100.95, 100.9, 0.99, [30.0], 100.9),
-        (99.05, 99.15, 99.1, 0.99, [30.0], 99.1),
-        (100.75, 100.895, 101.5, 0.99, [30.0], 100.89),
-        (99.105, 99.25, 98.5, 0.99, [30.0], 99.11),
-        (100.3, 100.7, 100.5, 0.85, [30.0], 30.0),  # below 0.9 of the highest
-        (100.3, 100.7, 100.5, 0.99, OTHERS[1:], 100.5),
-        (100.3, 100.7, 100.5, 0.99, OTHERS, 10.0),  # the sixth of the maxima
-    ],
-)
-def test_the_surroundings_of_five_maxima_are_looked_into(low, high, azimuth, base, others, expected):
-    """Around one maximum the impulse jumps to 1.1 between whole degrees; on the slopes of another it is higher."""
-    north, east = joined_within(low, high, azimuth, base, others)
-    found, impulse = strongest_azimuth(facing(north, east, 0.0, 90.0))
-    assert found == pytest.approx(expected)
-    size = 1.0 if expected in others else 1.1 * np.cos(np.radians(expected - azimuth))
-    assert impulse == pytest.approx(0.02 * size, rel=1e-4)
-
-
 def test_a_motion_at_rest_has_no_direction_and_takes_the_first():
     assert strongest_azimuth(Pair(channel(np.zeros(50), 90.0), channel(np.zeros(50), 0.0))) == (0.0, 0.0)

@@ -1,6 +1,7 @@
 """Makes the `Record` of a channel from its samples, with the checks that all formats share."""
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -59,13 +60,12 @@ def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, ro
     g, stated = STANDARD_GRAVITY, abs(header_peak)
     gap = abs(stated - peak)
     if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
+        peaks = {"stated": stated / g, "found": peak / g}
         if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
-            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g, decides=stated > 0.0))
+            warnings.append(WarningText("header_peak", **peaks, decides=stated > 0.0))
         else:
-            sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
-            warnings.append(
-                WarningText("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense)
-            )
+            sense = "less" if peak < stated else "more"
+            warnings.append(WarningText("header_peak_near", **peaks, share=100.0 * gap / stated, sense=sense))
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
         warnings.append(odd_peak(peak, unit, factor))
@@ -187,24 +187,17 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
 
 def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
     """Return the records, with a warning on records whose samples are equal, or equal with the opposite sign."""
-    notes: dict[int, list[WarningText]] = {}
+    notes: dict[int, list[WarningText]] = defaultdict(list)
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
             continue
-        near = slice(None, _FIRST)
-        if not np.array_equal(abs(one.acceleration[near]), abs(other.acceleration[near])):
+        if not np.array_equal(abs(one.acceleration[:_FIRST]), abs(other.acceleration[:_FIRST])):
             continue
-        turned = next(
-            (words for sign, words in SIGNS.items() if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
-        )
-        if turned != "-":
-            notes.setdefault(at, []).append(
-                WarningText("same_samples", other=f"channel {other.channel}", turned=turned)
-            )
-            notes.setdefault(behind, []).append(
-                WarningText("same_samples", other=f"channel {one.channel}", turned=turned)
-            )
-    return [replace(one, warnings=(*one.warnings, *notes.get(at, ()))) for at, one in enumerate(records)]
+        for sign, turned in SIGNS.items():
+            if np.array_equal(one.acceleration, sign * other.acceleration):
+                for place, twin in ((at, other), (behind, one)):
+                    notes[place].append(WarningText("same_samples", other=f"channel {twin.channel}", turned=turned))
+    return [replace(one, warnings=(*one.warnings, *notes[at])) for at, one in enumerate(records)]
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:

@@ -7,10 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import Counted, contradictory, doubted_direction, held_length, held_peak_time
-from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
-from rockpulse.readers.kit.facts import instant
-from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
+from rockpulse.readers import kit
 from rockpulse.warning_text import WarningText
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
@@ -30,10 +27,10 @@ _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec",
 _ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
 _LENGTH_SHARE = 5e-3  # largest relative error of a stated length
 _ORIENTATIONS = {
-    400: Direction("vertical"),
-    401: Direction("vertical", sign=-1.0),
-    402: Direction("vertical", note="integer 54 of the header does not tell whether upwards is positive"),
-    **{code: Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
+    400: kit.Direction("vertical"),
+    401: kit.Direction("vertical", sign=-1.0),
+    402: kit.Direction("vertical", note="integer 54 of the header does not tell whether upwards is positive"),
+    **{code: kit.Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
 }
 #: Values of header integer 19 for shelters, free fields, vaults, observatories, and arrays in the ground.
 _ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
@@ -79,11 +76,11 @@ class CosmosHeader:
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
-    def counted(self) -> Counted:
+    def counted(self) -> kit.Counted:
         """Return the channel with the number of channels that the header states for its recorder."""
         counted = _COUNTED.search(self.text[6])
         count = int(counted[1]) if counted else 0
-        return Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
+        return kit.Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
 
     def peak(self) -> tuple[str, str]:
         """Return the stated peak and its unit as texts, from text line 11 or, for a raw record, line 10."""
@@ -91,29 +88,29 @@ class CosmosHeader:
         found = _PEAK.search(self.text[10]) or (_PEAK.search(self.text[9]) if raw else None)
         return (found[1], found[2]) if found else ("", "")
 
-    def facing(self) -> Direction:
+    def facing(self) -> kit.Direction:
         """Return the direction from text line 9 and header integer 54; unknown, with a warning, if they differ."""
         words, code = self.channel()[1], self.integer(54)
-        said, coded = direction(words), Direction()
+        said, coded = kit.direction(words), kit.Direction()
         if code is not None:
-            azimuth = Direction("horizontal", float(code % 360)) if 0 <= code <= 360 else Direction()
+            azimuth = kit.Direction("horizontal", float(code % 360)) if 0 <= code <= 360 else kit.Direction()
             coded = _ORIENTATIONS.get(code, azimuth)
         if "unknown" in (said.orientation, coded.orientation):
             return said if said.orientation != "unknown" else coded
         seed, both = self.codes()[3], (said, coded)
-        if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
+        if kit.means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
             stated = f"{words!r} and {code} (integer 54 of the header)"
             return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
-        if contradictory(said, coded):
+        if kit.contradictory(said, coded):
             note = f"the text says {words!r}, but integer 54 of the header says {code}: the direction is unknown"
-            return Direction(note=doubted_direction(said, coded, note))
+            return kit.Direction(note=kit.doubted_direction(said, coded, note))
         return coded if np.isnan(said.azimuth) else said
 
     def structural(self) -> bool:
         """Return whether the sensor is on a structure, by header integer 19 and the location in text line 9."""
         site, place = self.integer(19), self.channel()[2]
-        return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
+        return kit.on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
         """Return the UTC time of the first sample (None if it is unknown), and warnings about this time."""
@@ -131,19 +128,16 @@ class CosmosHeader:
             seconds = float(clock[1])
         if np.isnan(seconds):
             return None, ["the start time has no seconds; it was left out"]
-        moment = instant((year, month, day), (hour, minute, seconds))
-        if moment is None:
-            return None, [
-                f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is not a valid start time"
-            ]
-        return moment, []
+        moment = kit.instant((year, month, day), (hour, minute, seconds))
+        wrong = f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is not a valid start time"
+        return moment, [wrong] if moment is None else []
 
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
     """Return the number of fields per row and of characters per field from a heading with ``Format=(8F9.6)``."""
-    layout = _LAYOUT.search(line[:LONGEST_LINE])
+    layout = _LAYOUT.search(line[: kit.LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
-        raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
+        raise kit.unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
     return int(layout[1]), int(layout[2])
 
 
@@ -153,8 +147,8 @@ def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) ->
     assert title is not None
     # More lines of text than the 13 of the format are allowed, fewer are not.
     count = max(int(title[2]), 13)
-    check_count(f"{name}:{end}", count, end - start, "text lines")
-    text = [line[:LONGEST_LINE] for line in lines[start : start + count]]
+    kit.check_count(f"{name}:{end}", count, end - start, "text lines")
+    text = [line[: kit.LONGEST_LINE] for line in lines[start : start + count]]
     stated = _UNKNOWN.match(text[12].strip())
     unknown_integer, unknown = (int(stated[1]), float(stated[2])) if stated else (-999, -999.0)
     integers, at = _numbers(name, lines, start + count, end, "integer")
@@ -164,14 +158,14 @@ def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) ->
     for index in range(at + 1, first):
         if not lines[index].lstrip().startswith("|"):
             expected = f"comment {index - at} of {comments}, a line that begins with '|'"
-            raise unexpected(f"{name}:{index + 1}", expected, repr(lines[index][:40]))
+            raise kit.unexpected(f"{name}:{index + 1}", expected, repr(lines[index][:40]))
     return CosmosHeader(
         kind=title[1].strip(),
         text=text,
         integers=np.where(integers == unknown_integer, np.nan, integers),
         reals=np.where(reals == unknown, np.nan, reals),
         unknown=unknown,
-        comments=[line[:LONGEST_LINE] for line in lines[at + 1 : first]],
+        comments=[line[: kit.LONGEST_LINE] for line in lines[at + 1 : first]],
         start=start,
         end=first,
     )
@@ -182,7 +176,7 @@ def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int
     heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
     if not heading:
         found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
-        raise unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", found)
+        raise kit.unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", found)
     return int(heading[1])
 
 
@@ -194,21 +188,26 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
     block = lines[at + 1 : min(at + 1 + rows, end)]
     if len(block) == rows and any(len(row.rstrip()) != per_row * width for row in block[:-1]):
         # Fields in headers that were edited by hand may have lost their fixed width.
-        values = free_numbers(block, at + 2, name)
+        values = kit.free_numbers(block, at + 2, name)
         if values.size == count:
             return values, at + 1 + rows
-    return fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
+    return kit.fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
 
 
 def held_series(header: CosmosHeader, heading: str, step: float, samples: np.ndarray) -> list[str]:
     """Return warnings if the stated length or the stated time of the peak contradicts the samples."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
-    lengths = (matched(_ABOUT, heading[:LONGEST_LINE]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
-    notes = [note for text in lengths for note in held_length(text, samples.size, step, spare)]
+    lengths = (
+        kit.matched(_ABOUT, heading[: kit.LONGEST_LINE]),
+        kit.matched(_RAW_LENGTH, header.text[9]) if raw else "",
+    )
+    notes = [note for text in lengths for note in kit.held_length(text, samples.size, step, spare)]
     lines = header.text[9:11] if raw else header.text[10:11]
     stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]
     if not np.isnan(header.real(65)):
         stated.append(f"{header.real(65):.6f}")
     times = step * np.arange(samples.size)
-    return list(dict.fromkeys([*notes, *(note for text in stated for note in held_peak_time(text, times, samples))]))
+    for text in stated:
+        notes += kit.held_peak_time(text, times, samples)
+    return list(dict.fromkeys(notes))

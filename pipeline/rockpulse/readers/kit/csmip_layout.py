@@ -14,33 +14,7 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.kit.channel import PEAK_TOLERANCE, build_record
-from rockpulse.readers.kit.checks import (
-    Counted,
-    Span,
-    completeness,
-    distinct_sections,
-    fixed_block,
-    held_direction,
-    last_of_equal,
-    repeated_marker,
-)
-from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, written
-from rockpulse.readers.kit.spacing import ChannelSamples
-from rockpulse.readers.kit.text import (
-    FILE_DAMAGED,
-    LONGEST_LINE,
-    UNITS,
-    canonical_unit,
-    check_count,
-    matched,
-    printed_number,
-    text_lines,
-    unexpected,
-)
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.readers import kit
 
 #: Number of lines of text, and number of all header lines, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
@@ -93,10 +67,10 @@ class CsmipHeader:
         return f"{self.component} ({self.place})" if self.place else self.component
 
     def record(
-        self, file: SourceFile, number: int, block: ChannelSamples, warnings: Sequence[str] = (), **further: Any
-    ) -> Record:
+        self, file: kit.SourceFile, number: int, block: kit.ChannelSamples, warnings: Sequence[str] = (), **further: Any
+    ) -> kit.Record:
         """Return the record of this channel with the samples `block`; `further` is passed to `build_record`."""
-        return build_record(
+        return kit.build_record(
             file,
             block.samples,
             block.dt,
@@ -130,47 +104,47 @@ class SeriesHeading:
     @property
     def unit(self) -> str:
         """Return the unit as the line states it; empty if the line states no unit."""
-        return matched(_UNIT, self.words)
+        return kit.matched(_UNIT, self.words)
 
 
 def channels(
-    file: SourceFile, title: re.Pattern[str], wording: str, header_lines: int = 1
-) -> tuple[list[str], list[Span], tuple[str, ...]]:
+    file: kit.SourceFile, title: re.Pattern[str], wording: str, header_lines: int = 1
+) -> tuple[list[str], list[kit.Span], tuple[str, ...]]:
     """Return the lines of a file, the span of each channel (which begins with a line like `title`), and warnings."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
-    spans: list[Span] = []
+    spans: list[kit.Span] = []
     notes: list[str] = []
     start = 0
     while start < len(lines):
         if not title.match(lines[start]):
             expected, found = f"{wording!r} (channel {len(spans) + 1})", repr(lines[start][:60].strip())
-            raise unexpected(f"{file.name}:{start + 1}", expected, found, FILE_DAMAGED)
-        first, start = start, last_of_equal(lines, start)
+            raise kit.unexpected(f"{file.name}:{start + 1}", expected, found, kit.FILE_DAMAGED)
+        first, start = start, kit.last_of_equal(lines, start)
         ends = (i for i in range(start + 1, len(lines)) if lines[i].startswith("/&") or title.match(lines[i]))
         end = next(ends, len(lines))
         spans.append((start, end))
         closed = end < len(lines) and lines[end].startswith("/&")
-        closing = last_of_equal(lines, end) if closed else end
-        notes += (*repeated_marker(first, start), *repeated_marker(end, closing))
+        closing = kit.last_of_equal(lines, end) if closed else end
+        notes += (*kit.repeated_marker(first, start), *kit.repeated_marker(end, closing))
         start = next((i for i in range(closing + closed, len(lines)) if lines[i].strip()), len(lines))
-    spans, copies = distinct_sections(lines, spans)
+    spans, copies = kit.distinct_sections(lines, spans)
     for number, (start, end) in enumerate(spans, 1):
-        check_count(f"{file.name}:{end}", header_lines, end - start, f"header lines of channel {number}")
+        kit.check_count(f"{file.name}:{end}", header_lines, end - start, f"header lines of channel {number}")
     return lines, spans, (*notes, *copies)
 
 
 def heading_at(lines: Sequence[str], at: int) -> SeriesHeading | None:
     """Return the heading in the line with index `at`; None if this line is not a heading."""
-    match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
+    match = _HEADING.match(lines[at][: kit.LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
-    last, kind = last_of_equal(lines, at), _KINDS[(match[2] or match[3])[0].lower()]
-    return SeriesHeading(last, kind, int(match[1]), match[4], repeated_marker(at, last))
+    last, kind = kit.last_of_equal(lines, at), _KINDS[(match[2] or match[3])[0].lower()]
+    return SeriesHeading(last, kind, int(match[1]), match[4], kit.repeated_marker(at, last))
 
 
-def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: int, unit: str) -> ChannelSamples:
+def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: int, unit: str) -> kit.ChannelSamples:
     """Read the accelerations between a heading and the line with index `end`; `unit` is their unit as stated."""
     where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
@@ -180,20 +154,20 @@ def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: in
         dt = 0.0
     if not dt > 0.0:
         expected, words = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
-        raise unexpected(where, expected, words, "correct the line")
-    found = canonical_unit(unit, where)
+        raise kit.unexpected(where, expected, words, "correct the line")
+    found = kit.canonical_unit(unit, where)
     first, count = heading.at + 1, heading.count
-    check_count(where, count, count if first < end else 0)
+    kit.check_count(where, count, count if first < end else 0)
     per_row, width = heading.layout or (_ROW, max(len(lines[first].rstrip()) // min(_ROW, count), 1))
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
-    samples, left = fixed_block(name, lines, (first, end), width, per_row, count)
-    return ChannelSamples(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
+    samples, left = kit.fixed_block(name, lines, (first, end), width, per_row, count)
+    return kit.ChannelSamples(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
 
 
 def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
     """Read the header of one channel, which begins with the title 'Uncorrected Accelerogram Data'."""
-    text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    text, behind = [line[: kit.LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
     placed = _PLACE_AFTER.fullmatch(component)
@@ -201,24 +175,24 @@ def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
         component, place = placed[1], place or placed[2]
     start_time, notes = _start_time(text[3])
     seed, origin, depth = _SEED_CODES.match(text[3]), _ORIGIN.search(text[2]), _DEPTH.search(text[8])
-    counted = _COUNTED.search(text[4])
+    recorded = _COUNTED.search(text[4]) or _FIRST_ROW.match(_row(behind, 0)[: kit.LONGEST_LINE].rstrip())
     about = {
         # Sensors on several floors of a structure have the same direction; the channel number, preferably the one at
         # the station, distinguishes them.
         "channel": (match[3] or match[1]) if match and place else "",
-        "structural": on_structure(place, stated=True),
+        "structural": kit.on_structure(place, stated=True),
         "network": seed[2] if seed else "",
-        "station": seed[3] if seed else matched(_STATION, text[4]),
+        "station": seed[3] if seed else kit.matched(_STATION, text[4]),
         "location": seed[4].replace("-", "") if seed else "",
         "station_name": re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
         "event": " ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         "start_time": start_time,
         "event_id": seed[1] if seed and seed[1].isdecimal() else "",
-        "origin_time": written(origin[1]) if origin else None,
-        "magnitude": magnitudes(text[8]),
-        "hypocentre": coordinates(text[8]),
+        "origin_time": kit.written(origin[1]) if origin else None,
+        "magnitude": kit.magnitudes(text[8]),
+        "hypocentre": kit.coordinates(text[8]),
         "depth_km": depth[1] if depth else "",
-        "station_place": coordinates(text[4]),
+        "station_place": kit.coordinates(text[4]),
     }
     return CsmipHeader(
         component,
@@ -227,18 +201,18 @@ def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
         warnings=notes,
         recorder=text[4].strip(),
         number=f"{match[1]} {match[3] or ''}" if match else "",
-        counted=int(counted[1] if counted else matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0),
+        counted=int(recorded[1]) if recorded else 0,
         code=direction_code(behind),
     )
 
 
 def missing_channels(
-    name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[CsmipHeader]
+    name: str, lines: Sequence[str], spans: Sequence[kit.Span], headers: Sequence[CsmipHeader]
 ) -> tuple[str, ...]:
     """Return a warning for each recorder whose channels are not all in the file."""
     pairs = zip(spans, headers, strict=True)
-    counts = (Counted(span[0] + 1, header.recorder, header.number, header.counted) for span, header in pairs)
-    return completeness(name, counts, closed=spans[-1][1] < len(lines))
+    counts = (kit.Counted(span[0] + 1, header.recorder, header.number, header.counted) for span, header in pairs)
+    return kit.completeness(name, counts, closed=spans[-1][1] < len(lines))
 
 
 def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
@@ -251,17 +225,17 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
         if year < 100:
             year += 1900 if year >= 69 else 2000
         local = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(seconds=float(match[6]))
-        moment = local - timedelta(hours=ZONES[match[7].upper()])
+        moment = local - timedelta(hours=kit.ZONES[match[7].upper()])
     except (ValueError, KeyError, OverflowError):
         return None, (f"the start time {match[0]!r} cannot be read",)
     # A clock that was never set starts at midnight in its own time zone.
-    fault = clock_fault(local)
+    fault = kit.clock_fault(local)
     return (None, (fault,)) if fault else (moment, ())
 
 
 def _row(behind: Sequence[str], number: int) -> str:
     """Return row `number` (from 0) of the header values in `behind`, the lines after the text; empty if missing."""
-    rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
+    rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[: kit.LONGEST_LINE].rstrip()))
     at = next(rows, len(behind)) + number
     return behind[at] if at < len(behind) else ""
 
@@ -288,25 +262,28 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
     return text if known else ""
 
 
-def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
+def held_peak_real(behind: Sequence[str], number: int, block: kit.ChannelSamples, per_unit: float) -> list[str]:
     """Return a warning if the samples contradict the peak in floating-point header value `number` [`per_unit` m/s2]."""
-    peak, rounding = printed_number(real_header_value(behind, number))
-    stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
-    if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
+    peak, rounding = kit.printed_number(real_header_value(behind, number))
+    stated, found = (
+        abs(peak) * per_unit / kit.STANDARD_GRAVITY,
+        block.peak * kit.UNITS[block.unit] / kit.STANDARD_GRAVITY,
+    )
+    if abs(stated - found) > kit.PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / kit.STANDARD_GRAVITY:
         value = f"floating-point value {number} of the header states a peak of {stated:.4g} g"
         return [f"{value}, but the samples have {found:.4g} g"]
     return []
 
 
-def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
+def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> kit.Direction:
     """Return the direction of a channel; unknown, with a warning, if the header states different directions."""
     # The codes 0, 1100 and 1200 mean sensors without an azimuth.
-    coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
+    coded = kit.Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else kit.Direction()
     if code in (_UP, _DOWN):
-        coded = Direction("vertical", sign=1.0 if code == _UP else -1.0)
+        coded = kit.Direction("vertical", sign=1.0 if code == _UP else -1.0)
     note = f"the text says {component!r}, but integer 27 of the header says {code}: the direction is unknown"
-    facing = held_direction(direction(component), coded, note)
+    facing = kit.held_direction(kit.direction(component), coded, note)
     for other in repeated:
         note = f"the text says {component!r}, but another line of the header says {other!r}: the direction is unknown"
-        facing = facing if facing.note else held_direction(facing, direction(other), note)
+        facing = facing if facing.note else kit.held_direction(facing, kit.direction(other), note)
     return facing

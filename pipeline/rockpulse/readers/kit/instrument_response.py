@@ -9,23 +9,20 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.kit.channel import clipping_warning
+from rockpulse.readers import kit
 from rockpulse.readers.kit.obspy_bridge import obspy_notes
-from rockpulse.readers.kit.text import unexpected
-from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Quantity of each unit without its prefix, and factor of each prefix.
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
 #: Input units of a response, spelled without power signs, each with its quantity and its size in SI units.
 _MOTION = {prefix + word: (name, scale) for word, name in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()}
-_MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
+_MOTION |= {"G": ("acceleration", kit.STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
 #: Units of sensors that do not record ground motion but may belong to the same station.
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
 #: Relative difference of the product of the stage gains and the stated sensitivity above which there is a warning.
 GAIN_TOLERANCE = 0.05
-_OTHER_MOTION = "the sensitivity is stated for {}, but the stages of the response begin with {}"
+
 #: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
 #: The response is removed where it exceeds this share of its maximum; noise grows by at most the inverse of the share.
@@ -54,7 +51,7 @@ def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: s
     """Convert counts (n,) to acceleration; `way` is "sensitivity" or "remove", as in `ReadOptions.response`."""
     if way == "remove":
         removed = without_response(where, counts, dt, response)
-        return replace(removed, warnings=(*clipping_warning(counts), *removed.warnings))
+        return replace(removed, warnings=(*kit.clipping_warning(counts), *removed.warnings))
     factor = sensitivity_factor(where, response)
     return ConvertedCounts(counts.astype(float), factor, (), tuple(sensitivity_notes(response)))
 
@@ -66,10 +63,10 @@ def sensitivity_factor(where: str, response: Any) -> float:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
     if not math.isfinite(float(sensitivity.value)):
         expected = "a finite sensitivity of the instrument"
-        raise unexpected(where, expected, str(sensitivity.value), "correct the StationXML")
+        raise kit.unexpected(where, expected, str(sensitivity.value), "correct the StationXML")
     quantity, scale = measured(where, sensitivity.input_units)
     if quantity != "acceleration":
-        raise NotAcceleration(
+        raise kit.NotAcceleration(
             f"{where} records {sensitivity.input_units}, expected an acceleration (M/S**2); use the accelerometer "
             "channel of the station (code ending in NE, NN, NZ), or have the response removed (response='remove')"
         )
@@ -78,20 +75,26 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 def sensitivity_notes(response: Any) -> list[str]:
     """Return warnings if the sensitivity is negative, or differs from the product of the stage gains."""
-    notes, value = _turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
+    sensitivity = response.instrument_sensitivity
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
     if not gains:
-        return notes
-    units = (response.instrument_sensitivity.input_units, first_stage(response).input_units)
+        return _turned(sensitivity)
+    units = (sensitivity.input_units, first_stage(response).input_units)
     total, stages = (_MOTION.get(_spelled(unit), ("", 1.0)) for unit in units)
-    if total[0] and stages[0] and total[0] != stages[0]:
-        return [*notes, _OTHER_MOTION.format(total[0], stages[0])]
-    per_unit = total[1] / stages[1] if total[0] and stages[0] else 1.0
-    return notes + _off(math.prod(gains) * per_unit / value - 1.0)
+    if not (total[0] and stages[0]):
+        total = stages = ("", 1.0)
+    return _turned(sensitivity) + _contradictions(math.prod(gains) / float(sensitivity.value), total, stages)
 
 
-def _off(share: float) -> list[str]:
-    """Return a warning if `share`, the relative difference of stage gains and sensitivity, exceeds `GAIN_TOLERANCE`."""
+def _contradictions(ratio: float, total: tuple[str, float], stages: tuple[str, float]) -> list[str]:
+    """Return a warning if the stages of a response contradict its sensitivity.
+
+    `ratio` is the gain of the stages divided by the sensitivity; `total` and `stages` are quantity and size in SI units
+    of the input units of both.
+    """
+    if total[0] != stages[0]:
+        return [f"the sensitivity is stated for {total[0]}, but the stages of the response begin with {stages[0]}"]
+    share = ratio * total[1] / stages[1] - 1.0
     off = f"the product of the stage gains differs from the sensitivity of the response by {100.0 * share:.3g} %"
     return [] if abs(share) <= GAIN_TOLERANCE else [off]
 
@@ -111,7 +114,7 @@ def measured(where: str, unit: Any) -> tuple[str, float]:
     """Return the quantity that a sensor with this input unit measures, and the size of the unit in SI units."""
     word = _spelled(unit)
     if word in _NO_MOTION:
-        raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
+        raise kit.NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
     if word not in _MOTION:
         raise RecordRefused(
             f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (prefix C, M, U or N), "
@@ -192,10 +195,8 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
     sensitivity = response.instrument_sensitivity
     if np.isnan(size):
         return []
-    found, per_unit = measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
-    if found != quantity:
-        return [_OTHER_MOTION.format(found, quantity)]
-    return _turned(sensitivity) + _off((size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0)
+    total = measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
+    return _turned(sensitivity) + _contradictions(size / abs(float(sensitivity.value)), total, (quantity, scale))
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:

@@ -15,10 +15,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.kit.checks import doubted_direction
-from rockpulse.readers.kit.direction import Direction, direction, means_vertical
-from rockpulse.readers.kit.text import unexpected
-from rockpulse.readers.source import SourceFile
+from rockpulse.readers import kit
 from rockpulse.warning_text import WarningText
 
 #: Warnings that do not concern the record: on future changes of obspy, and on files left open elsewhere.
@@ -70,7 +67,7 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
             lines += [line for line in file.read().decode("utf-8", "replace").splitlines() if line.strip()]
 
 
-def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
+def obspy_stream(file: kit.SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
     """Return the obspy Stream of a file (or of `content`) and obspy's warnings; errors become RecordFormatError."""
     import obspy
 
@@ -96,39 +93,39 @@ def codes_of(stats: Any) -> dict[str, Any]:
     return {code: stats[code] for code in ("network", "station", "location", "channel")}
 
 
-def utc_time(file: SourceFile, moment: Any) -> datetime:
+def utc_time(file: kit.SourceFile, moment: Any) -> datetime:
     """Return an obspy time as a datetime in UTC."""
     try:
         return moment.datetime.replace(tzinfo=UTC)
     except (ValueError, OverflowError) as fault:
         found = f"{moment.timestamp} s from 1970"
-        raise unexpected(file.name, "a start time in the years 1 to 9999", found) from fault
+        raise kit.unexpected(file.name, "a start time in the years 1 to 9999", found) from fault
 
 
-def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
+def seed_direction(code: str, azimuth: float | None, dip: float | None) -> kit.Direction:
     """Return the direction from channel code, azimuth and dip [degrees]; unknown if they contradict each other."""
     # A channel code that means vertical has priority over a dip of 0, the default of many headers.
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
-    named = direction(code)
+    named = kit.direction(code)
     if dip is None:
         lies = named.orientation
     else:
         lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
-        if lies == "horizontal" and means_vertical(code):
+        if lies == "horizontal" and kit.means_vertical(code):
             stated = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
-            return Direction("vertical", note=WarningText("vertical_by_code", channel=code, stated=stated))
+            return kit.Direction("vertical", note=WarningText("vertical_by_code", channel=code, stated=stated))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
             both = f"the channel code says {code!r}, but the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
-            note = doubted_direction(named, Direction(lies), f"the direction is unknown: {both}")
-            return Direction(note=note)
+            note = kit.doubted_direction(named, kit.Direction(lies), f"the direction is unknown: {both}")
+            return kit.Direction(note=note)
     if lies == "vertical" and dip is not None:
-        return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
+        return kit.Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:
-        return named if named.orientation == lies else Direction(lies)
+        return named if named.orientation == lies else kit.Direction(lies)
     off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN if the code names no axis
     note = f"the channel code says {code!r}, but the azimuth is {azimuth:g} degrees, which is used"
-    return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
+    return kit.Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
 
 
 #: Descriptions of a StationXML channel that rockpulse writes with its own miniSEED, and `Record.processed` for each.
@@ -169,7 +166,7 @@ def _channels(
                 yield found, (site.name or "").strip() if site else ""
 
 
-def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
+def station_channel(file: kit.SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
     """Return the StationXML channel that is valid for a whole trace, its station name, and obspy's warnings.
 
     A StationXML with the name of the miniSEED file has priority; one that rockpulse wrote is used for no other file.
@@ -193,7 +190,8 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
             serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
             bound = len(serving) < len(channels)
             looked.append(f"{name}, which applies only to the miniSEED file of the same name" if bound else name)
-            found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
+            whole = (stats.starttime.ns, stats.endtime.ns)
+            found += [one for one in serving if _epoch(one[0])[0] <= whole[0] and whole[1] <= _epoch(one[0])[1]]
         if found:
             break
     if not found:
@@ -217,24 +215,18 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
 
 def contradicts_channel(files: Files, network: str, station: str, channel: Any) -> bool:
     """Return whether a StationXML describes the same channel (same codes, overlapping epoch) differently."""
+    first, last = _epoch(channel)
     return any(
-        _overlap(channel, other) and _gap(channel, other, full=False)
+        first <= _epoch(other)[1] and _epoch(other)[0] <= last and _gap(channel, other, full=False)
         for name, content in files
         for other, _ in _channels(name, content, network, station, channel.location_code, channel.code)
     )
 
 
-def _holds(channel: Any, start: Any, end: Any) -> bool:
+def _epoch(channel: Any) -> tuple[float, float]:
+    """Return the times [ns] from which and to which a channel is described; infinite if they are not stated."""
     begins, ends = channel.start_date, channel.end_date
-    return not ((begins and begins > start) or (ends and ends < end))
-
-
-def _overlap(one: Any, other: Any) -> bool:
-    """Return whether the epochs of two channels overlap; a missing limit means an open end."""
-    return not any(
-        first.end_date and second.start_date and first.end_date < second.start_date
-        for first, second in ((one, other), (other, one))
-    )
+    return begins.ns if begins else -math.inf, ends.ns if ends else math.inf
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:

@@ -1,7 +1,8 @@
 """Finds statements in the text above plain columns: motion, unit, interval, count, peak, duration, components."""
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
@@ -32,6 +33,7 @@ _PER_SECOND = re.compile(
     r"(?<![\w.,])" + _NUMBER + r" ?(?:hz|sps|samples?/s(?:ec)?|samples per second|p(?:oin)?ts/s(?:ec)?)\b"
 )
 _FILTER = re.compile(r"filt|pass|cut|corner|band|natural|range|damp|butter|\bto\b|resonan")
+_NO_RATE = re.compile(f"{_PAST.pattern}|{_FILTER.pattern}")
 _TIMES = {"ms": 1e-3, "msec": 1e-3, "millisec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "min": 60.0, "minutes": 60.0}
 
 _COUNT = re.compile(
@@ -115,6 +117,16 @@ class Peak(NamedTuple):
     unit: str = ""
 
 
+def _found(
+    pattern: re.Pattern[str], header: Sequence[str], unless: re.Pattern[str] | None = None
+) -> Iterator[tuple[int, re.Match[str]]]:
+    """Yield line number and match of each occurrence of a pattern in lines in which `unless` does not occur."""
+    for number, line in enumerate(header, 1):
+        text = folded_text(line)
+        if not (unless and unless.search(text)):
+            yield from ((number, match) for match in pattern.finditer(text))
+
+
 def stated_kinds(header: Sequence[str]) -> dict[str, int]:
     """Return the kinds of motion that a header names, each with the number (from 1) of the first such line."""
     found: dict[str, int] = {}
@@ -165,48 +177,34 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
 def other_units(header: Sequence[str]) -> list[Statement]:
     """Return the units that a header states for the samples and that are not units of acceleration, such as V or mm."""
     found = []
-    for number, line in enumerate(header, 1):
-        text = folded_text(line)
-        for match in _UNIT.finditer(text):
-            word = _ONE_UNIT.match(text, match.end())
-            before = text[: match.start()]
-            of_samples = _OF_DATA.search(before) if match[0].startswith("in") else _OF_SAMPLES.fullmatch(before)
-            if word is None or not of_samples:
-                continue
-            wording = word[0].strip("([])")
-            found += [Statement(number, wording)] if _NO_UNIT.fullmatch(wording) else []
+    for number, match in _found(_UNIT, header):
+        word, before = _ONE_UNIT.match(match.string, match.end()), match.string[: match.start()]
+        of_samples = _OF_DATA.search(before) if match[0].startswith("in") else _OF_SAMPLES.fullmatch(before)
+        wording = word[0].strip("([])") if word and of_samples else ""
+        found += [Statement(number, wording)] if _NO_UNIT.fullmatch(wording) else []
     return found
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
     """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only if there is no other."""
-    named, bare = [], []
-    for number, line in enumerate(header, 1):
-        text = folded_text(line)
-        if _PAST.search(text):
-            continue
-        for match in _STEP.finditer(text):
-            factor = _TIMES.get(match["unit"] or match["before"] or "", 1.0)
-            named.append(Statement(number, match[0].strip(), _value(match) * factor / float(match["divisor"] or 1.0)))
-        named += [Statement(number, match[0], _step_of_rate(match)) for match in _RATE.finditer(text)]
-        if not _FILTER.search(text):
-            bare += [Statement(number, match[0], _step_of_rate(match)) for match in _PER_SECOND.finditer(text)]
-    return named or bare
+    named = []
+    for number, match in _found(_STEP, header, _PAST):
+        factor = _TIMES.get(match["unit"] or match["before"] or "", 1.0)
+        named.append(Statement(number, match[0].strip(), _value(match) * factor / float(match["divisor"] or 1.0)))
+    rates, bare = (
+        [Statement(at, match[0], 1.0 / rate if (rate := _value(match)) else math.inf) for at, match in found]
+        for found in (_found(_RATE, header, _PAST), _found(_PER_SECOND, header, _NO_RATE))
+    )
+    return sorted([*named, *rates], key=lambda one: one.line) or bare
 
 
 def _value(match: re.Match[str]) -> float:
     return float(match["value"].replace(",", ".") + "e" + (match["power"] or "0"))
 
 
-def _step_of_rate(match: re.Match[str]) -> float:
-    rate = _value(match)
-    return 1.0 / rate if rate else float("inf")
-
-
 def stated_counts(header: Sequence[str]) -> list[Statement]:
     """Return the numbers of samples that a header states."""
-    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(folded_text(line)))
-    return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
+    return [Statement(number, match[0], float(match[1] or match[2])) for number, match in _found(_COUNT, header)]
 
 
 def surely_counts(said: Statement) -> bool:
@@ -216,30 +214,23 @@ def surely_counts(said: Statement) -> bool:
 
 def stated_peaks(header: Sequence[str]) -> list[Peak]:
     """Return the peaks of acceleration that a header states."""
-    matches = (match for line in header for match in _PEAKS.finditer(folded_text(line)))
-    found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
-    return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
-
-
-def _peak_unit(match: re.Match[str]) -> str:
-    words = [word for word in (match["before"], match["unit"]) if word]
-    return next((word for word in words if quantity_of(word)), "")
+    found = []
+    for _, match in _found(_PEAKS, header):
+        unit = next((word for word in match.group("before", "unit") if word and quantity_of(word)), "")
+        if match["power"] is None and (match["sign"] or unit):
+            found.append(Peak(match["value"].replace(",", "."), unit))
+    return found
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
     """Return the durations [s] of the record that a header states; durations of the strong part are ignored."""
-    found = []
-    for number, line in enumerate(header, 1):
-        text = folded_text(line)
-        matches = () if _PART.search(text) else _DURATIONS.finditer(text)
-        found += [Statement(number, match["value"].replace(",", "."), _value(match)) for match in matches]
-    return found
+    found = _found(_DURATIONS, header, _PART)
+    return [Statement(number, match["value"].replace(",", "."), _value(match)) for number, match in found]
 
 
 def stated_scales(header: Sequence[str]) -> list[Statement]:
     """Return the scale factors that a header states."""
-    matches = ((at, match) for at, line in enumerate(header, 1) for match in _SCALES.finditer(folded_text(line)))
-    return [Statement(number, match[0], _value(match)) for number, match in matches]
+    return [Statement(number, match[0], _value(match)) for number, match in _found(_SCALES, header)]
 
 
 def positive_downwards(header: Sequence[str]) -> bool:
@@ -255,10 +246,7 @@ def reversed_polarity(header: Sequence[str]) -> list[str]:
 
 def stated_direction(header: Sequence[str]) -> Direction:
     """Return the direction that the header states, as in "component: N-S"; unknown if it states several."""
-    found = []
-    for line in header:
-        for match in _ONE_COMPONENT.finditer(folded_text(line)):
-            found.append(heading_direction((match[1] or match[2]).upper()))
+    found = [heading_direction((match[1] or match[2]).upper()) for _, match in _found(_ONE_COMPONENT, header)]
     known = {(one.orientation, one.azimuth, one.sign): one for one in found if one.orientation != "unknown"}
     return next(iter(known.values())) if len(known) == 1 else Direction()
 

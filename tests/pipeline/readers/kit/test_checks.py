@@ -14,13 +14,11 @@ from rockpulse.readers import read
 from rockpulse.readers.kit.checks import (
     Counted,
     completeness,
-    distinct_sections,
     held_direction,
     held_length,
     held_lengths_of_units,
     held_peak_time,
     held_units,
-    last_of_equal,
 )
 from rockpulse.readers.kit.csmip_layout import (
     direction_code,
@@ -338,14 +336,6 @@ def test_blocks_of_one_kind_that_differ_are_refused():
     changed = block[:-12] + block[-12:].translate(bytes.maketrans(b"0123456789", b"1234567890"))
     with pytest.raises(RecordFormatError, match="found a second block of acceleration"):
         got(content[:at] + changed + content[at:], "clc_90.v2")
-
-
-def test_sections_and_markers_by_their_words():
-    lines = ["TITLE", "", "TITLE ", "1 2", "TITLE", "1 2  ", "", "TITLE", "1 3"]
-    assert [last_of_equal(lines, at) for at in (0, 2, 3, 8)] == [2, 2, 3, 8]
-    kept, notes = distinct_sections(lines, [(2, 4), (4, 7), (7, 9)])
-    assert kept == [(2, 4), (7, 9)]
-    assert notes == ("line 5: the channel of line 3 is repeated in the file; it was read once",)
 
 
 def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:

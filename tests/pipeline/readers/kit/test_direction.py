@@ -8,12 +8,10 @@ from record_writers import csmip_equal, pulse
 
 from rockpulse.readers import read
 from rockpulse.readers.kit.direction import (
-    Direction,
     direction,
     heading_direction,
     means_vertical,
     on_structure,
-    vertical_if_so,
 )
 
 
@@ -168,15 +166,3 @@ def test_a_horizontal_direction_without_an_azimuth(wording):
 
 def test_the_letter_of_seed_for_a_vertical_channel():
     assert [means_vertical(code) for code in (" hnz ", "HNN", "HN1", "Z")] == [True, False, False, False]
-
-
-def test_a_code_of_seed_makes_a_horizontal_direction_vertical():
-    north, unknown = Direction("horizontal", 0.0), Direction()
-    assert vertical_if_so(north, "HNN") is north
-    assert vertical_if_so(unknown, "HNZ") is unknown
-    for facing, told in ((north, "an azimuth of 0 degrees"), (Direction("horizontal"), "a horizontal direction")):
-        upright = vertical_if_so(facing, " HNZ ")
-        assert (upright.orientation, upright.sign) == ("vertical", 1.0)
-        assert np.isnan(upright.azimuth)
-        assert upright.note.startswith("the channel code HNZ means vertical, but the header states ")
-        assert told in upright.note

@@ -14,7 +14,7 @@ from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
-from rockpulse.readers.kit.headings import ColumnHeading, column_headings
+from rockpulse.readers.kit.headings import column_headings
 from rockpulse.readers.kit.motion_kinds import kinds_of
 from rockpulse.readers.kit.number_table import Layout
 from rockpulse.readers.kit.prose import stated_counts, stated_kinds, stated_steps, stated_units
@@ -411,17 +411,3 @@ def test_the_headings_of_columns(header, delimiter, width, found, above):
     headings, lines = column_headings(header, Layout(len(header), delimiter, ".", width))
     assert [(heading.name, heading.kind, heading.unit) for heading in headings] == found
     assert lines == above
-
-
-@pytest.mark.parametrize(
-    ("heading", "known"),
-    [
-        *[(ColumnHeading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
-        *[(ColumnHeading(name), False) for name in ("one two three N", "one", "x12345", "")],
-        (ColumnHeading("one", "time"), True),
-        (ColumnHeading("one", unit="g"), True),
-        (ColumnHeading("one", unit="furlong"), False),
-    ],
-)
-def test_what_is_known_of_a_heading(heading, known):
-    assert heading.known is known

@@ -10,8 +10,6 @@ from scipy.signal import lsim
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.kit.instrument_response import (
-    _disagreement,
-    _gain,
     first_stage,
     measured,
     pass_band,
@@ -205,6 +203,25 @@ def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warni
     assert f"{unit} to m/s2" in removed.processing[0]
 
 
+@pytest.mark.parametrize(
+    ("stated", "unit", "words"),
+    [
+        (1.04, "M/S**2", []),
+        (1.06, "M/S**2", ["by -5.66 %"]),
+        (-1.0, "M/S**2", ["the polarity is reversed"]),
+        (-0.9, "M/S**2", ["the polarity is reversed", "by 11.1 %"]),
+        (1.0, "M/S", ["stated for velocity, but the stages of the response begin with acceleration"]),
+    ],
+)
+def test_a_sensitivity_that_contradicts_the_response_is_told(stated, unit, words):
+    contradicted = paz([], POLES, "M/S**2", 0.2)
+    contradicted.instrument_sensitivity.value *= stated
+    contradicted.instrument_sensitivity.input_units = unit
+    notes = without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, contradicted).warnings
+    assert len(notes) == len(words)
+    assert all(word in note for word, note in zip(words, notes, strict=True))
+
+
 def test_the_response_that_was_given_stays_as_it_is():
     response = paz([], POLES, "MM/S**2", 0.2)
     without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
@@ -267,70 +284,6 @@ def test_a_sensor_without_an_answer_at_zero_frequency_keeps_one_cycle_in_the_rec
     cycle, nyquist = 1.0 / (count * dt), 0.5 / dt
     expected = (0.5 * cycle, cycle, 0.8 * nyquist, 0.95 * nyquist)
     assert pass_band(answering(answer), dt, count) == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("begin", "sensitivity", "at", "stated"),
-    [
-        (-1.0, {"frequency": 0.0, "value": 2.0}, 0.0, True),
-        (-1.0, {"frequency": None, "value": 2.0}, 0.0, True),
-        (-1.0, {"frequency": 40.0, "value": 2.0}, 40.0, True),
-        (-1.0, {"frequency": 40.1, "value": 2.0}, 4.0, False),  # between 1 % of the end of the band and the end
-        (0.1, {"frequency": 0.1, "value": 2.0}, 0.1, True),
-        (0.1, {"frequency": 0.09, "value": 2.0}, 4.0, False),
-        (0.1, {"frequency": None, "value": 2.0}, 4.0, False),
-        (1.6, {}, 8.0, False),
-        (1.6, {"frequency": 5.0, "value": 0.0}, 8.0, False),
-    ],
-)
-def test_the_gain_is_that_at_the_frequency_of_the_sensitivity_where_the_pass_band_holds_it(
-    begin, sensitivity, at, stated
-):
-    response = answering(
-        lambda frequency, output: -1j * (frequency + {"ACC": 0.0, "DEF": 1000.0}[output]), **sensitivity
-    )
-    gain, size = _gain(response, (0.5 * begin, begin, 40.0, 47.5))
-    assert gain == pytest.approx(at, rel=1e-12)
-    assert size == pytest.approx(1000.0 + at if stated else np.nan, rel=1e-12, nan_ok=True)
-
-
-STAGES = "the product of the stage gains differs from the sensitivity of the response by"
-
-
-@pytest.mark.parametrize(
-    ("size", "scale", "value", "unit", "notes"),
-    [
-        (104.0, 1.0, 100.0, "M/S**2", []),
-        (96.0, 1.0, 100.0, "M/S**2", []),
-        (106.0, 1.0, 100.0, "M/S**2", [f"{STAGES} 6 %"]),
-        (94.0, 1.0, 100.0, "M/S**2", [f"{STAGES} -6 %"]),
-        (1.06, 0.01, 100.0, "M/S**2", [f"{STAGES} 6 %"]),
-        (106.0, 1.0, 1.0, "CM/S**2", [f"{STAGES} 6 %"]),
-        (1.0, 0.01, 100.0, "M/S**2", []),
-        (5.0, 0.01, 5.0, None, []),
-        (
-            106.0,
-            1.0,
-            100.0,
-            "M/S",
-            ["the sensitivity is stated for velocity, but the stages of the response begin with "],
-        ),
-        (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: the polarity is reversed"]),
-        (
-            110.0,
-            1.0,
-            -100.0,
-            "M/S**2",
-            ["the sensitivity is negative, -100: the polarity is reversed", "the product of the stage "],
-        ),
-        (np.nan, 1.0, -100.0, "M/S", []),
-    ],
-)
-def test_the_stages_against_the_stated_sensitivity(size, scale, value, unit, notes):
-    response = answering(None, value=value, input_units=unit)
-    found = _disagreement("test", response, size, "acceleration", scale)
-    assert len(found) == len(notes)
-    assert all(one.startswith(note) for one, note in zip(found, notes, strict=True))
 
 
 def test_a_response_that_does_not_serve_is_refused():

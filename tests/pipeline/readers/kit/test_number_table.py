@@ -362,12 +362,6 @@ def test_the_limits_of_what_is_a_series_in_rows_of_two(inside, behind, series):
     assert runs_on(0.125 * stepped(np.array(inside)[:, None], behind)) is series
 
 
-@pytest.mark.parametrize(("middle", "series"), [(1.2, True), (1.5, False)])
-def test_of_longer_rows_the_usual_step_counts(middle, series):
-    """Steps of 1, `middle` and 30 in rows of four, of 1 behind them."""
-    assert runs_on(stepped(np.tile([1.0, middle, 30.0], (20, 1)), [1.0] * 19)) is series
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.1, 1.0])
 @pytest.mark.parametrize("width", [3, 5, 10, 40])
 def test_channels_that_move_together_are_no_series(noise, width):

@@ -4,7 +4,6 @@ import os
 import sys
 import warnings
 from datetime import UTC, datetime
-from types import SimpleNamespace
 
 import numpy as np
 import obspy
@@ -12,10 +11,6 @@ import pytest
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.obspy_bridge import (
-    PROCESSED,
-    _gap,
-    _holds,
-    _overlap,
     obspy_notes,
     obspy_stream,
     seed_direction,
@@ -123,67 +118,3 @@ def test_a_file_without_a_waveform_or_of_times_that_cannot_be_printed_is_named(m
         monkeypatch.setattr(obspy, "read", lambda *_, traces=traces, **__: obspy.Stream(traces))
         with pytest.raises(RecordFormatError, match=f"x.mseed: {words}"):
             obspy_stream(opened(b"1"), "MSEED")
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "expected"),
-    [
-        ((1, 3), (2, 4), True),
-        ((1, 2), (3, 4), False),
-        ((1, 2), (2, 4), True),
-        ((1, None), (3, 4), True),
-        ((None, None), (3, None), True),
-        ((None, 2), (3, None), False),
-        ((3, None), (None, 2), False),
-    ],
-)
-def test_epochs_without_a_limit_are_open(one, other, expected):
-    epochs = [SimpleNamespace(start_date=start, end_date=end) for start, end in (one, other)]
-    assert _overlap(*epochs) is expected
-    assert _overlap(*reversed(epochs)) is expected
-
-
-@pytest.mark.parametrize(
-    ("epoch", "holds"),
-    [
-        *((epoch, True) for epoch in ((None, None), (2, 5), (1, None), (None, 6))),
-        *((epoch, False) for epoch in ((3, None), (None, 4), (3, 4), (1, 4), (3, 6))),
-    ],
-)
-def test_an_epoch_holds_a_record_from_its_first_to_its_last_sample(epoch, holds):
-    assert _holds(SimpleNamespace(start_date=epoch[0], end_date=epoch[1]), 2, 5) is holds
-
-
-def channel(value=2.0, unit="m/s**2", azimuth=60.0, dip=0.0, description=None, code="HN3", stages=1):
-    told = SimpleNamespace(value=value, input_units=unit)
-    response = SimpleNamespace(instrument_sensitivity=told, stages=stages)
-    return SimpleNamespace(code=code, azimuth=azimuth, dip=dip, description=description, response=response)
-
-
-CORRECTED, RAW, EITHER = PROCESSED
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "gap"),
-    [
-        ({}, {"unit": "M/S**2"}, None),
-        ({}, {"azimuth": 420.0}, None),
-        ({}, {"description": RAW}, None),
-        ({}, {"description": "an accelerometer"}, None),
-        ({}, {"value": 3.0}, ("sensitivities", "2.0 per M/S**2; 3.0 per M/S**2")),
-        ({}, {"unit": "g"}, ("sensitivities", "2.0 per M/S**2; 2.0 per G")),
-        ({}, {"azimuth": 61.0}, ("directions", "horizontal, azimuth 60; horizontal, azimuth 61")),
-        ({}, {"dip": 90.0}, ("directions", "horizontal, azimuth 60; down")),
-        ({"dip": -90.0}, {"dip": 90.0}, ("directions", "up; down")),
-        ({}, {"description": CORRECTED}, ("states of processing", "raw; corrected")),
-        ({"description": EITHER}, {}, ("states of processing", "unknown; raw")),
-    ],
-)
-def test_what_two_channels_tell_differently(one, other, gap):
-    assert _gap(channel(**one), channel(**other), full=False) == gap
-    first, second = channel(**one), channel(**other)
-    second.response = first.response if one.get("value") == other.get("value") else second.response
-    if gap is None or gap[0] != "sensitivities":
-        assert _gap(first, second, full=True) == gap
-    else:
-        assert _gap(channel(**one), channel(**other), full=True) == ("responses", "")
