@@ -49,16 +49,15 @@ def test_two_units_are_refused_and_both_named(put, header):
 @pytest.mark.parametrize(
     "header",
     [
-        "Data in volts\n",
-        "Samples are in counts\n",
-        "units: V\n",
-        "Unit: counts\n",
-        "Units = mm\n",
-        "time,N\ns,V\n",
-        "time,counts\n",
-        "t [s],acc_volts\n",
-        "t [s],acc [V]\n",
-        "t [s],acc N (mV)\n",
+        *(
+            "Data in volts\n",
+            "Samples are in counts\n",
+            "units: V\n",
+            "Unit: counts\n",
+            "Units = mm\n",
+            "time,N\ns,V\n",
+        ),
+        *("time,counts\n", "t [s],acc_volts\n", "t [s],acc [V]\n", "t [s],acc N (mV)\n"),
     ],
 )
 @pytest.mark.parametrize("asked", ["g", "m/s2"])

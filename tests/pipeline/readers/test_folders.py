@@ -22,7 +22,6 @@ from rockpulse.readers.folders import (
 )
 from rockpulse.readers.format import ReadOptions
 from rockpulse.record.record import Record
-from rockpulse.warning_text import WarningText
 
 
 @pytest.fixture
@@ -319,7 +318,6 @@ def test_an_unknown_unit_is_the_caller_s_mistake(folder):
 
 PLAIN = Record([0.0, 1.0, 0.0], 0.01, "a.1", source="m", channel="1", component="x")
 TIME = datetime(2011, 3, 11, tzinfo=UTC)
-ALONG_90 = {"orientation": "horizontal", "azimuth": 90.0}
 
 
 @pytest.mark.parametrize(
@@ -341,28 +339,3 @@ def test_of_equal_motions_the_one_stays_that_knows_most(known):
         assert all(row.reason.endswith(f"same samples and interval as a.1 of {kept.source}") for row in rows)
     again = [replace(record, source=f"{record.source}b") for record in records[-1:]]
     assert settled([*again, records[-1]], lambda record: "same")[0][0][0] == records[-1]
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "kept"),
-    [
-        ({}, {}, 1),
-        ({}, {"source": "m"}, 1),
-        ({}, {"component": "y"}, 1),
-        ({}, {"component": "y", "source": "m"}, 2),
-        ({}, {"component": "y", "orientation": "horizontal", "azimuth": 90.0}, 1),
-        ({"orientation": "vertical"}, {"component": "y", "orientation": "vertical"}, 1),
-        ({"orientation": "vertical"}, {"component": "y", "orientation": "horizontal"}, 2),
-        ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal"}, 1),
-        ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal", "azimuth": 0.0}, 2),
-        (ALONG_90, {"component": "y", **ALONG_90}, 1),
-        (ALONG_90, {"component": "y", **ALONG_90, "azimuth": 0.0}, 2),
-        ({"warnings": (WarningText("dead_channel"),)}, {"component": "y"}, 2),
-        ({}, {"component": "y", "warnings": (WarningText("dead_channel"),)}, 2),
-    ],
-)
-def test_one_motion_under_two_names(one, other, kept):
-    records = [replace(PLAIN, **one), replace(PLAIN, **{"source": "n"} | other)]
-    found, rows = settled(records, lambda record: "same")
-    assert (len(found), len(rows)) == (kept, 2 - kept)
-    assert len(settled(records, lambda record: str(id(record)))[0]) == 2

@@ -50,21 +50,14 @@ def test_an_interval_that_is_none_is_refused(dt):
 
 
 @pytest.mark.parametrize(
-    ("unit", "dt", "fits"),
-    [
-        ("gal", None, True),
-        ("mm/s2", None, False),
-        (None, 0.01001, True),
-        (None, 0.0100101, False),
-        (None, 0.0099, False),
-    ],
+    ("given", "fits"),
+    [({"units": "gal"}, True), ({"units": "mm/s2"}, False), ({"dt": 0.01001}, True), ({"dt": 0.0100101}, False)],
 )
-def test_a_row_may_spell_a_unit_otherwise_and_print_fewer_digits(unit, dt, fits):
+def test_a_row_may_spell_a_unit_otherwise_and_print_fewer_digits(given, fits):
     record = Record([0.0, 1.0, 0.0], dt=0.01, id="x", source="x.v1", source_unit="cm/s2")
-    options = ReadOptions(files=(FileSettings(match="*", units=unit, dt=dt),))
     told = r"x\.v1: the file states .*correct the wrong one, or the pattern"
     with raises_if(not fits, RockpulseError, told):
-        options.check([record])
+        ReadOptions(files=(FileSettings(match="*", **given),)).check([record])
 
 
 def test_the_options_of_one_file_are_those_of_the_last_row_that_gives_them():

@@ -128,30 +128,6 @@ def test_an_open_file_finds_the_station_file_beside_it():
         read(io.BytesIO((SAMPLES / "CI.CLC.mseed").read_bytes()))
 
 
-WORDS, LONG = b"Acceleration\n1.0 2.0 3.0\n", b"Acceleration\n" + b"1.0 2.0 3.0\n" * 6000  # more than a head
-LATE = [b"1" * begin + b"abc" + b" 2" * 800 for begin in (0, 997, 998)]
-
-
-@pytest.mark.parametrize(
-    ("content", "half"),
-    [
-        (b"1.0 2.0 3.0\n" * 2, None),  # without words
-        (2 * WORDS, WORDS),
-        (WORDS + WORDS[:-2] + b"1\n", None),
-        *((2 * half, half) for half in LATE[:2]),
-        (2 * LATE[2], None),  # whose word is not among the first thousand bytes
-        (2 * LONG, LONG),
-        (LONG + LONG[:-2] + b"1\n", None),
-        (2 * LONG + b"\n", None),
-        (LONG + b"a" + LONG[1:], None),
-    ],
-    ids=range(10),
-)
-def test_a_copy_is_one_of_a_header_to_the_last_byte(content, half):
-    found = source.SourceFile("x.txt", content[: source.HEAD], lambda: content).first_half()
-    assert (found and (found.head, found.content)) == (half and (half[: source.HEAD], half))
-
-
 def pipe(content, name="stream"):
     """A stream that gives three bytes at a time, as a pipe may."""
     rest = io.BytesIO(content)

@@ -229,18 +229,13 @@ def test_a_channel_within_five_degrees_of_north_or_east_has_the_letter_of_it(azi
 
 
 @pytest.mark.parametrize(
-    ("rate", "band"),
-    [
-        *((rate, "C") for rate in (250.0, 500.0)),
-        *((rate, "H") for rate in (249.5, 80.0)),
-        *((rate, "B") for rate in (79.5, 10.0)),
-        *((rate, "M") for rate in (9.5, 1.0)),
-        *((rate, "L") for rate in (0.75, 0.5)),
-    ],
+    ("band", "rates"),
+    [("C", (500.0, 250.0)), ("H", (249.5, 80.0)), ("B", (79.5, 10.0)), ("M", (9.5, 1.0)), ("L", (0.75, 0.5))],
 )
-def test_the_band_of_a_channel_is_that_of_its_rate(rate, band):
-    record = Record(np.zeros(3), dt=1.0 / rate, id="x", orientation="vertical")
-    assert seed_codes([record])[0][3] == f"{band}NZ"
+def test_the_band_of_a_channel_is_that_of_its_rate(band, rates):
+    for rate in rates:
+        record = Record(np.zeros(3), dt=1.0 / rate, id="x", orientation="vertical")
+        assert seed_codes([record])[0][3] == f"{band}NZ"
 
 
 def test_the_location_counts_up_to_99_beside_the_one_of_the_record(record):

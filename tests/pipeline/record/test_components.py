@@ -104,12 +104,8 @@ def test_two_files_of_a_station_that_overlap_in_time_are_a_pair():
 @pytest.mark.parametrize(
     "other",
     [
-        {"start_time": START + timedelta(seconds=1.5)},
-        {"start_time": None},
-        {"station": "CLC"},
-        {"location": "10"},
-        {"format": "smc"},
-        {"processed": False},
+        *({"start_time": start} for start in (START + timedelta(seconds=1.5), None)),
+        *({"station": "CLC"}, {"location": "10"}, {"format": "smc"}, {"processed": False}),
     ],
     ids=lambda other: next(iter(other)),
 )

@@ -237,27 +237,6 @@ def test_merger_that_keeps_just_half_of_the_impulses_is_made():
     assert half_waves(triangles(1.5, -1.0, 1.5), threshold=0.8).impulse == pytest.approx([2.0])
 
 
-@pytest.mark.parametrize("dt", [1.0, 0.01])
-@pytest.mark.parametrize("size", [1.0, 0.1])
-def test_mergers_do_not_depend_on_the_units(dt, size):
-    """What is merged, and what is refused: by its sign on either side, its centroid, or the share that it keeps."""
-
-    def lobes(*values, **options):
-        return half_waves(record(np.multiply(size, values), dt), **options).lobes.tolist()
-
-    assert lobes(0, 4, 0, -1, 0, 4, 0, threshold=0.5) == [3]
-    assert lobes(0, 4, 0, 0, 1, 0, 0, 4, 0, threshold=0.5) == [1, 1, 1]
-    assert lobes(0, 40, 0, -1, 0, 0, -0.5, 0, threshold=0.5) == [1, 1, 1]
-    assert lobes(0, -4, 0, 1, 0, -4, 0, threshold=0.5) == [3]
-    assert lobes(0, -0.5, 0, 0, -1, 0, 40, 0, threshold=0.5) == [1, 1, 1]
-    far = [0, 0.1, 0, *[-1] * 9, 0, 33, 0]
-    assert lobes(*far, threshold=0.1) == lobes(*far[::-1], threshold=0.1) == [1, 1, 1]
-    near = [0, 3, 0, *[-1] * 2, 0, 33, 0]
-    assert lobes(*near, threshold=0.1) == lobes(*near[::-1], threshold=0.1) == [3]
-    assert lobes(0, 4, 0, -1, 0, 4, 0, min_duration_s=2.5 * dt) == [3]
-    assert lobes(0, 4, 0, -1, -1, 0, 4, 0, min_duration_s=2.0 * dt) == [1, 1, 1]
-
-
 def test_the_peak_of_a_merged_wave_is_the_higher_of_its_sign():
     for peaks in ((4.0, -1.0, 6.0), (6.0, -1.0, 4.0), (-4.0, 1.0, -6.0)):
         assert half_waves(triangles(*peaks), threshold=0.5).peak.tolist() == [max(peaks, key=abs)]

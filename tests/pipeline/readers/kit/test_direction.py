@@ -26,40 +26,23 @@ def test_vertical(wording):
 
 
 @pytest.mark.parametrize(
-    ("wording", "azimuth"),
+    ("azimuth", "wordings"),
     [
-        ("1 Deg", 1.0),
-        ("2 degrees", 2.0),
-        ("5°", 5.0),
-        ("005", 5.0),
-        ("67", 67.0),
-        ("360", 0.0),
-        ("BHE", 90.0),
-        ("HNN", 0.0),
-        ("S05W", 185.0),
-        ("N30E", 30.0),
-        ("N 30 W", 330.0),
-        ("S30E", 150.0),
-        ("N90E", 90.0),
-        ("N0W", 0.0),
-        ("10", 10.0),
+        (0.0, "N;NS;N-S;North;360;HNN"),
+        (5.0, "5°;005;5 degrees"),
+        (30.0, "N30E"),
+        (67.0, "67;67 Deg"),
+        (90.0, "E;EW;E-W;East;BHE;N90E"),
+        (150.0, "S30E"),
+        (180.0, "S;South"),
+        (185.0, "S05W"),
+        (270.0, "W;West"),
+        (330.0, "N 30 W"),
     ],
 )
-def test_azimuths(wording, azimuth):
-    assert (direction(wording).orientation, direction(wording).azimuth) == ("horizontal", azimuth)
-
-
-@pytest.mark.parametrize(
-    ("wordings", "azimuth"),
-    [
-        (["N", "NS", "N-S", "North"], 0.0),
-        (["E", "EW", "E-W", "East"], 90.0),
-        (["S", "South"], 180.0),
-        (["W", "West"], 270.0),
-    ],
-)
-def test_words_of_the_compass(wordings, azimuth):
-    assert [direction(word).azimuth for word in wordings] == [azimuth] * len(wordings)
+def test_azimuths(azimuth, wordings):
+    found = [direction(wording) for wording in wordings.split(";")]
+    assert {(one.orientation, one.azimuth) for one in found} == {("horizontal", azimuth)}
 
 
 @pytest.mark.parametrize("wording", ["1", "2", "9", "0", "", "INTC", "NNE", "WNW", "360.5", "S90.5W", "XUP", "HN3"])
@@ -69,35 +52,21 @@ def test_what_is_no_direction_stays_unknown(wording):
 
 
 @pytest.mark.parametrize(
-    ("heading", "orientation", "azimuth"),
+    ("headings", "orientation", "azimuth"),
     [
-        ("acc_1", "unknown", np.nan),
-        ("CH 12 (g)", "unknown", np.nan),
-        ("channel_10", "unknown", np.nan),
+        ("acc_1;CH 12 (g);channel_10;acc T;acc N E;v", "unknown", np.nan),
+        ("10 g;filtered 25 Hz;Acc 0.01;dt=0.005;" + "1" * 60000 + "x", "unknown", np.nan),
+        ("HNZ;acc VRT;V", "vertical", np.nan),
         ("acc 5 deg [g]", "horizontal", 5.0),
-        ("acc_090", "horizontal", 90.0),
-        ("HNZ", "vertical", np.nan),
-        ("acc VRT", "vertical", np.nan),
-        ("V", "vertical", np.nan),
-        ("acc EW", "horizontal", 90.0),
-        ("acc e", "horizontal", 90.0),
-        ("acc T", "unknown", np.nan),
-        ("acc N E", "unknown", np.nan),
-        ("v", "unknown", np.nan),
-        ("acc 12.5 deg", "horizontal", 12.5),
-        ("acc 12.5°", "horizontal", 12.5),
-        ("M7.1 090", "horizontal", 90.0),
-        ("10 g", "unknown", np.nan),
-        ("filtered 25 Hz", "unknown", np.nan),
-        ("Acc 0.01", "unknown", np.nan),
-        ("dt=0.005", "unknown", np.nan),
-        ("1" * 60000 + "x", "unknown", np.nan),
+        ("acc 12.5 deg;acc 12.5°", "horizontal", 12.5),
+        ("acc_090;acc EW;acc e;M7.1 090", "horizontal", 90.0),
     ],
 )
-def test_column_headings(heading, orientation, azimuth):
-    facing = heading_direction(heading)
-    assert facing.orientation == orientation
-    assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
+def test_column_headings(headings, orientation, azimuth):
+    for heading in headings.split(";"):
+        facing = heading_direction(heading)
+        assert facing.orientation == orientation, heading
+        assert facing.azimuth == pytest.approx(azimuth, nan_ok=True), heading
 
 
 def test_a_sign_before_up_keeps_the_samples_and_is_reported(tmp_path):
@@ -109,45 +78,24 @@ def test_a_sign_before_up_keeps_the_samples_and_is_reported(tmp_path):
     assert "'-UP' does not tell whether upwards is positive" in record.warnings[0]
 
 
-@pytest.mark.parametrize(
-    ("place", "expected"),
-    [
-        ("Subbasement", True),
-        ("sub-basement", True),
-        ("10th-floor", True),
-        ("12th Fl", True),
-        ("Level 29", True),
-        ("BNZ Building Level 5", True),
-        ("West wall 4th level", True),
-        ("2nd Story", True),
-        ("Base of pier", True),
-        ("Pier 7", True),
-        ("Dam crest", True),
-        ("Santa Monica Pier", False),
-        ("1065 Crest Drive", False),
-        ("11 Wall St", False),
-        ("Ground level", False),
-        ("Fire Station #25", False),
-        ("", False),
-    ],
-)
-def test_places_on_structures(place, expected):
-    assert on_structure(place) is expected
+ON_STRUCTURES = "Subbasement;sub-basement;10th-floor;12th Fl;Level 29;BNZ Building Level 5;West wall 4th level"
+ON_STRUCTURES += ";2nd Story;Base of pier;Pier 7;Dam crest"
+ON_GROUND = "Santa Monica Pier;1065 Crest Drive;11 Wall St;Ground level;Fire Station #25;"
 
 
 @pytest.mark.parametrize(
-    ("place", "expected"),
+    ("places", "stated", "expected"),
     [
-        ("Ground level at SW corner", False),
-        ("Ground level: SW corner", False),
-        ("GROUND", False),
-        ("FREEFIELD", False),
-        ("Ground floor at SW corner", True),
-        ("Courtyard", True),
+        (ON_STRUCTURES, False, True),
+        (ON_GROUND, False, False),
+        ("Ground level at SW corner;Ground level: SW corner;GROUND;FREEFIELD", True, False),
+        ("Ground floor at SW corner;Courtyard", True, True),
     ],
 )
-def test_places_of_instrumented_structures(place, expected):
-    assert on_structure(place, stated=True) is expected
+def test_places_on_structures(places, stated, expected):
+    assert {place: on_structure(place, stated) for place in places.split(";")} == dict.fromkeys(
+        places.split(";"), expected
+    )
 
 
 @pytest.mark.parametrize("wording", ["Down", "DN", "downwards"])

@@ -153,15 +153,8 @@ def test_a_long_table_with_and_without_blank_rows(blank):
 @pytest.mark.parametrize(
     ("row", "as_written"),
     [
-        ("1,5 2", layout()),
-        ("1 2 3", layout()),
-        ("1", layout()),
-        ("1 x", layout()),
-        ("1 nan", layout()),
-        ("1 1e999", layout()),
-        ("1,,2", layout(",")),
-        ("1,", layout(",")),
-        ("1 2", layout(",")),
+        *((row, layout()) for row in ("1,5 2", "1 2 3", "1", "1 x", "1 nan", "1 1e999")),
+        *((row, layout(",")) for row in ("1,,2", "1,", "1 2")),
         ("0" * 9999 + " 1", layout()),  # a character more than a line may have
     ],
 )
@@ -247,21 +240,13 @@ def test_a_first_value_that_may_be_a_sample_is_one(values):
 @pytest.mark.parametrize(
     ("header", "expected"),
     [
-        (["300 0.02"], (300, 0.02)),
-        (["0.02;300"], (300, 0.02)),
-        (["# 300, 2.0E-2 %"], (300, 0.02)),
+        *(([line], (300, 0.02)) for line in ("300 0.02", "0.02;300", "# 300, 2.0E-2 %")),
         (["300"], (300, None)),
         (["300", "", "0.02", " "], (300, 0.02)),
         (["0.02", "300"], (300, 0.02)),
-        (["300 0.02", "7"], None),
         (["7", "300", "0.02"], (300, 0.02)),  # no more than two lines
-        (["300 0.02", "words"], None),
-        (["300 0.02", "#"], None),
-        (["300 0.02 0.05"], None),
-        (["300 400 0.02"], None),
-        (["300 -5"], None),
-        (["0.02"], None),
-        (["0 0.02"], None),
+        *((["300 0.02", line], None) for line in ("7", "words", "#")),
+        *(([line], None) for line in ("300 0.02 0.05", "300 400 0.02", "300 -5", "0.02", "0 0.02")),
         ([], None),
     ],
 )
