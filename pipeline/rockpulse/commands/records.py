@@ -23,7 +23,7 @@ def formats(args: argparse.Namespace) -> int:
     from textwrap import fill
 
     from rockpulse.readers import FORMATS, UNITS
-    from rockpulse.readers.archive import MEMBER_LIMIT, TOTAL_LIMIT
+    from rockpulse.readers.source import MEMBER_LIMIT, TOTAL_LIMIT
     from rockpulse.readers.source import FILE_LIMIT, RATIO_LIMIT
     from rockpulse.views.shared.formatting import ABSENT
 

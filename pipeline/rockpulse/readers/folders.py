@@ -20,7 +20,6 @@ from rockpulse.errors import (
 from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source, source
 from rockpulse.readers import read as read_file
-from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.file_pairs import PairSettings, check_pairs
 from rockpulse.readers.format import FileSettings
 from rockpulse.readers.no_record import is_quiet
@@ -250,9 +249,9 @@ def check_patterns(found: Sequence[Found], options: ReadOptions) -> None:
 def _member_names(path: Path) -> list[str]:
     """Return the names of the members of an archive; empty for other files and unreadable archives."""
     try:
-        if not path.is_file() or not is_archive(path):
+        if not path.is_file() or not source.is_archive(path):
             return []
-        with Archive(path) as archive:
+        with source.Archive(path) as archive:
             return list(archive.names)
     except (RockpulseError, OSError):
         return []
@@ -288,11 +287,11 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
     try:
         source.check_link(path)
         check_regular(path, RecordRefused)
-        if not is_archive(path):
+        if not source.is_archive(path):
             yield Opened(str(path), source.open_source(path, partial(station_files, path.parent)))
             return
         empty = True
-        with Archive(path) as archive:
+        with source.Archive(path) as archive:
             for number, name in enumerate(archive.names):
                 if is_quiet(name, partial(archive.member, number)):
                     continue

@@ -4,7 +4,6 @@ The ground acceleration is linear between samples, and the ground velocity is ze
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -21,6 +20,9 @@ DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
 POINTS = 16
 #: Default acceleration that limits the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
+#: Share of the Arias intensity at which a significant duration ends, by its name; names of all methods.
+UPPER_SHARES = {"D5-95": 0.95, "D5-75": 0.75}
+INTENSE_PHASES = (*UPPER_SHARES, "bracketed", "window")
 
 
 @dataclass(frozen=True)
@@ -157,7 +159,12 @@ def intense_phase(
         )
     if method != "bracketed" and level is not None:
         raise ConfigError(f"intense_phase: level applies only to method 'bracketed', found {method!r}: leave it out")
-    return INTENSE_PHASES[method](record, start_s, end_s, level)
+    if method == "bracketed":
+        return _bracketed_phase(record, BRACKET_LEVEL if level is None else level)
+    if method == "window":
+        return _window(record, start_s, end_s)
+    energy = _nonzero_energy(record)
+    return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, UPPER_SHARES[method])))
 
 
 def _energy(record: Record) -> np.ndarray:
@@ -193,26 +200,17 @@ def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
     )
 
 
-def _significant(record: Record, upper: float) -> IntensePhase:
-    energy = _nonzero_energy(record)
-    return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, upper)))
-
-
-def _bracketed_phase(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
-    bracket = BRACKET_LEVEL if level is None else level
+def _bracketed_phase(record: Record, bracket: float) -> IntensePhase:
     if not (math.isfinite(bracket) and bracket > 0.0):
-        raise ConfigError(f"intense_phase: level: expected a positive acceleration in m/s2, got {level!r}")
-    magnitude = np.abs(record.acceleration)
-    above = np.flatnonzero(magnitude > bracket)
+        raise ConfigError(f"intense_phase: level: expected a positive acceleration in m/s2, got {bracket!r}")
+    above = np.flatnonzero(np.abs(record.acceleration) > bracket)
     if above.size == 0:
         raise RecordRefused(
             f"{record.id}: the acceleration never exceeds level = {bracket:.4g} m/s2 (PGA {record.pga:.4g} m/s2); "
             "give a lower level or choose method 'D5-95'"
         )
-    first, last = int(above[0]), int(above[-1])
-    return IntensePhase(
-        _bracket_time(record, first, first - 1, bracket), _bracket_time(record, last, last + 1, bracket)
-    )
+    ends = ((int(above[0]), -1), (int(above[-1]), 1))
+    return IntensePhase(*(_bracket_time(record, inside, inside + step, bracket) for inside, step in ends))
 
 
 def _bracket_time(record: Record, inside: int, outside: int, bracket: float) -> float:
@@ -223,7 +221,7 @@ def _bracket_time(record: Record, inside: int, outside: int, bracket: float) -> 
     return float((inside + (outside - inside) * fraction) * record.dt)
 
 
-def _window(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
+def _window(record: Record, start_s: float | None, end_s: float | None) -> IntensePhase:
     if start_s is None:
         if end_s is not None:
             raise ConfigError("intense_phase: end_s needs start_s; give both, start_s alone, or neither")
@@ -256,12 +254,3 @@ def _strongest_window(record: Record) -> IntensePhase:
     # Equal windows differ by rounding errors: the first one within these errors of the largest is chosen.
     start = record.dt * int(np.argmax(content >= np.max(content) * (1.0 - 1e-12)))
     return IntensePhase(start, min(start + WINDOW_LENGTH, record.duration))
-
-
-#: Functions that find the intense phase, by the name of the method.
-INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
-    "D5-95": lambda record, *_: _significant(record, 0.95),
-    "D5-75": lambda record, *_: _significant(record, 0.75),
-    "bracketed": _bracketed_phase,
-    "window": _window,
-}

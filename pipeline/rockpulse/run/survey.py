@@ -12,9 +12,8 @@ import numpy as np
 
 from rockpulse.errors import Failure, RecordRefused, RockpulseError
 from rockpulse.readers import ReadOptions, read_source
-from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import Found, in_order, open_files, read_failure, read_opened, sample_digest, settled
-from rockpulse.readers.source import folder_station_files, open_source
+from rockpulse.readers.source import Archive, folder_station_files, open_source
 from rockpulse.record.record import Record
 from rockpulse.run.journal import Message
 

@@ -9,7 +9,7 @@ import pytest
 from source_files import ONE, TWO, VELOCITY, ids, make_zip
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers import archive, source
+from rockpulse.readers import source
 from rockpulse.readers.folders import read_all
 
 
@@ -48,7 +48,6 @@ def test_an_office_document_is_no_archive_of_records(tmp_path, first):
 
 def test_a_member_or_file_beyond_the_size_limit_is_refused(tmp_path, monkeypatch):
     limit = len(ONE) - 1
-    monkeypatch.setattr(archive, "FILE_LIMIT", limit)
     monkeypatch.setattr(source, "FILE_LIMIT", limit)
     make_zip(tmp_path / "all.zip", **{"big.AT2": ONE})
     (tmp_path / "big.AT2").write_bytes(ONE)
@@ -109,7 +108,7 @@ def test_any_damage_to_an_archive_is_a_row(tmp_path):
 def test_an_archive_beyond_a_limit_is_refused_and_one_at_it_is_read(tmp_path, monkeypatch, limit, more):
     path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE, "b.AT2": ONE})
     for allowed in (more - 1, more):
-        monkeypatch.setattr(archive, limit, allowed)
+        monkeypatch.setattr(source, limit, allowed)
         refused = [row.reason for row in read_all(path)[1] if f"expected at most {allowed}" in row.reason]
         assert len(refused) == (allowed < more)
 
@@ -118,7 +117,7 @@ def test_an_archive_is_known_by_its_name_or_its_first_bytes(tmp_path):
     packed = make_zip(tmp_path / "a.bin", **{"a.AT2": ONE})
     for name in ("b.ZIP", "b.txt"):
         (tmp_path / name).write_bytes(ONE)
-    assert list(map(archive.is_archive, (packed, tmp_path / "b.ZIP", tmp_path / "b.txt"))) == [True, True, False]
+    assert list(map(source.is_archive, (packed, tmp_path / "b.ZIP", tmp_path / "b.txt"))) == [True, True, False]
 
 
 def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path):
@@ -127,7 +126,7 @@ def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path)
         target.mkdir("sub")
         for name in ("z.AT2", "sub/b.AT2", "__MACOSX/a.AT2", ".git/a.AT2", "sub\\.x\\a.AT2", "a.AT2", "a.b/..c/d.AT2"):
             target.writestr(name, ONE)
-    with archive.Archive(path) as opened:
+    with source.Archive(path) as opened:
         assert opened.names == [f"{path}!{name}" for name in ("a.AT2", "sub/b.AT2", "z.AT2")]
         assert opened.member(2).content == ONE
     with pytest.raises(RecordFormatError, match=r"all.zip!a.AT2: damaged member"):
@@ -137,7 +136,7 @@ def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path)
 def test_what_stands_beside_a_member_in_its_folder(tmp_path):
     files = {"a__one.AT2": ONE, "a__S.XML": b"<a/>", "a__t.txt": b"t", "b__s.xml": b"<b/>", "s.xml": b"<c/>"}
     path = make_zip(tmp_path / "all.zip", **files)
-    with archive.Archive(path) as opened:
+    with source.Archive(path) as opened:
         member = opened.member(opened.names.index(f"{path}!a/one.AT2"))
         assert member.station_files() == [(f"{path}!a/S.XML", b"<a/>")]
         assert (member.beside("t.txt"), member.beside("s.xml")) == (b"t", None)
@@ -146,10 +145,10 @@ def test_what_stands_beside_a_member_in_its_folder(tmp_path):
 
 
 def test_a_member_of_the_largest_size_and_ratio_is_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(archive, "FILE_LIMIT", len(ONE))
-    monkeypatch.setattr(archive, "RATIO_LIMIT", 1)
+    monkeypatch.setattr(source, "FILE_LIMIT", len(ONE))
+    monkeypatch.setattr(source, "RATIO_LIMIT", 1)
     path = make_zip(tmp_path / "all.zip", zipfile.ZIP_STORED, **{"a.AT2": ONE})
-    with archive.Archive(path) as opened:
+    with source.Archive(path) as opened:
         assert opened.member(0).content == ONE
 
 
@@ -200,4 +199,4 @@ def test_a_directory_of_an_unknown_kind_is_damage(tmp_path, at, value):
     whole[central + at] = value  # the version that is needed, the name
     path.write_bytes(whole)
     with pytest.raises(RecordFormatError, match=r"all\.zip: damaged zip archive"):
-        archive.Archive(path)
+        source.Archive(path)

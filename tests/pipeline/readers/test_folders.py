@@ -145,7 +145,7 @@ def test_what_is_not_there_does_not_hide_what_comes_behind_it(folder):
 
 def test_patterns_are_not_held_against_the_inside_of_a_pipe(tmp_path, monkeypatch):
     os.mkfifo(tmp_path / "pipe")
-    monkeypatch.setattr(folders, "is_archive", lambda path: pytest.fail("to open it would wait for its writer"))
+    monkeypatch.setattr(folders.source, "is_archive", lambda path: pytest.fail("to open it would wait for its writer"))
     options = ReadOptions(files=(FileSettings(match="x", units="g"),))
     with pytest.raises(ConfigError, match="matches none of the files to read"):
         check_patterns([Found(tmp_path / "pipe", True)], options)

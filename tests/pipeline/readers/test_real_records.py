@@ -9,8 +9,7 @@ import pytest
 
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import ReadOptions, read, read_source
-from rockpulse.readers.archive import Archive
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.source import Archive, NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
 FOLDER = os.environ.get("ROCKPULSE_RECORDS")

@@ -13,8 +13,8 @@ from record_writers.renadic import renadic
 
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import ReadOptions
-from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import find_files, read_all
+from rockpulse.readers.source import Archive
 from rockpulse.record.record import Record
 from rockpulse.run import survey
 from rockpulse.run.survey import survey_file

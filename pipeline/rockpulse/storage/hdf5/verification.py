@@ -13,8 +13,7 @@ import numpy as np
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
 from rockpulse.files import check_regular
-from rockpulse.readers.archive import Archive, is_archive
-from rockpulse.readers.source import open_source
+from rockpulse.readers.source import Archive, is_archive, open_source
 from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
