@@ -76,10 +76,8 @@ def sheet_texts(content: bytes) -> list[str]:
 
     sheets = pandas.read_excel(io.BytesIO(content), sheet_name=None, header=None, dtype=object)
     filled = [sheet.dropna(how="all").dropna(axis=1, how="all") for sheet in sheets.values()]
-    return [
-        "\n".join(_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in sheet.values.tolist())
-        for sheet in filled
-    ]
+    rows = ((_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in one.values.tolist()) for one in filled)
+    return ["\n".join(of_sheet) for of_sheet in rows]
 
 
 def _cell(value: Any) -> str:

@@ -31,9 +31,8 @@ _CODES = ("network", "station", "location", "channel")
 #: Fields stored in ``stats.rockpulse``: all fields of a Record that a Trace lacks.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are not an acceleration in the same unit.
-_CHANGES_UNIT = {
-    *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
-}
+_CHANGES_UNIT = {"integrate", "differentiate", "normalize", "simulate", "trigger", "remove_response"}
+_CHANGES_UNIT |= {"remove_sensitivity"}
 #: Largest relative difference between the intervals of a Trace, which stores the rate, and of its record.
 _SAME_STEP = 1e-12
 #: Formats that are read only if requested by name, as any text file of numbers would be recognised.

@@ -196,10 +196,8 @@ def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, s
         site = Site(_printable(record.station_name) or station)
         place = stations.setdefault(station, Station(station, **_place(record), site=site))
         place.channels.append(_station_channel(record, location, channel))
-    return Inventory(
-        [Network(code, stations=list(stations.values())) for code, stations in networks.items()],
-        source=f"rockpulse {__version__}; unknown coordinates, and all elevations, are written as 0",
-    )
+    source = f"rockpulse {__version__}; unknown coordinates, and all elevations, are written as 0"
+    return Inventory([Network(code, stations=list(one.values())) for code, one in networks.items()], source=source)
 
 
 def _place(record: Record) -> dict[str, float]:

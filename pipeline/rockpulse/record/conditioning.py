@@ -231,9 +231,8 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
 
     rate = 1.0 / record.dt
     corners = {kind: corner for kind, corner in (("high-pass", highpass), ("low-pass", lowpass)) if corner is not None}
-    sections = [
-        signal.butter(order, corner, kind.replace("-", ""), fs=rate, output="sos") for kind, corner in corners.items()
-    ]
+    kinds = {kind.replace("-", ""): corner for kind, corner in corners.items()}
+    sections = [signal.butter(order, corner, kind, fs=rate, output="sos") for kind, corner in kinds.items()]
     words = [f"{kind} {corner:g} Hz" for kind, corner in corners.items()]
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
     if pad > LONGEST_PAD:

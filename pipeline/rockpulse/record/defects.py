@@ -109,10 +109,8 @@ def defects(record: Record) -> list[WarningText]:
     if dt > COARSE:
         decides = bool(np.sum(np.diff(samples) ** 2) > UNDERSAMPLED * np.sum((samples - np.mean(samples)) ** 2))
         found.append(WarningText("coarse_sampling", rate=1.0 / dt, nyquist=0.5 / dt, decides=decides))
-    slow, rest = min(
-        (slow_velocity(samples - constant, dt) for constant in (0.0, np.mean(samples), np.median(samples))),
-        key=lambda one: one[0] / one[1],
-    )
+    constants = (0.0, np.mean(samples), np.median(samples))
+    slow, rest = min((slow_velocity(samples - one, dt) for one in constants), key=lambda one: one[0] / one[1])
     if slow > DRIFT * rest:
         # A pulse that is given as an array may leave a velocity on purpose.
         found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(record.source)))
@@ -201,9 +199,8 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
         code = "held_value" if held else "filled_gap"
         decides = bool(end >= strong[0] and begin <= strong[1])
         found[code].append(WarningText(code, length=length, start=begin * record.dt, decides=decides))
-    return [
-        max(every, key=lambda one: (one.values["decides"], one.values["length"])) for every in found.values() if every
-    ]
+    kinds = filter(None, found.values())
+    return [max(every, key=lambda one: (one.values["decides"], one.values["length"])) for every in kinds]
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:

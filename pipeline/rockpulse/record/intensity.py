@@ -195,9 +195,8 @@ def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
     # b^2) is the time without the cancellation at small s.
     left, slope, missing = left / scale, (right - left) / scale / record.dt, missing / scale**2
     reached = float(np.cbrt(left**3 + 3.0 * slope * missing))
-    return float(
-        before * record.dt + min(3.0 * missing / (left * left + left * reached + reached * reached), record.dt)
-    )
+    after_left = 3.0 * missing / (left * left + left * reached + reached * reached)
+    return float(before * record.dt + min(after_left, record.dt))
 
 
 def _bracketed_phase(record: Record, bracket: float) -> IntensePhase:

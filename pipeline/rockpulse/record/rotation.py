@@ -327,7 +327,5 @@ def _same_samples(first: Record, second: Record) -> tuple[Record, Record]:
         values = np.interp(place, np.arange(second.npts), second.acceleration)
         note = f"interpolated linearly at the sample times of {first.id}, {start % 1.0:.3f} of an interval apart"
         second = second.with_note(note)
-    return (
-        replace(first, acceleration=first.acceleration[kept], start_time=moved),
-        replace(second, acceleration=values, start_time=moved),
-    )
+    first = replace(first, acceleration=first.acceleration[kept], start_time=moved)
+    return first, replace(second, acceleration=values, start_time=moved)

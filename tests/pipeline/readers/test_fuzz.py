@@ -5,10 +5,8 @@ from dataclasses import replace
 
 import fuzz
 import fuzz_inputs
-import numpy as np
 import pytest
 
-from rockpulse.errors import RecordFormatError
 from rockpulse.readers import FORMATS, read_source
 
 SEEDS = 250
@@ -47,33 +45,16 @@ def raise_key_error(file, options):
     raise KeyError("NPTS")
 
 
-def divide(file, options):
-    return [np.ones(1) / np.zeros(1)]
-
-
-def never_end(file, options):
-    while True:
-        pass
-
-
-def say_nothing(file, options):
-    raise RecordFormatError
-
-
 @pytest.mark.sweep
 @pytest.mark.parametrize(
     ("reader", "words"),
     [
         (break_promises, "expected a positive interval"),
         (raise_key_error, "KeyError: 'NPTS'"),
-        (divide, "RuntimeWarning: divide by zero"),
-        (never_end, "more than 0.05 s"),
-        (say_nothing, "an error that does not name the file: RecordFormatError('')"),
         (lambda file, options: [], "no record and no error"),
     ],
 )
 def test_the_fuzzer_sees_what_is_wrong(monkeypatch, reader, words):
-    monkeypatch.setattr(fuzz, "TIME_LIMIT", 0.05)
     monkeypatch.setattr(fuzz, "read_source", reader)
     whole = replace(fuzz.case(0), sample="CLC090.AT2", content=fuzz.corpus()[0]["CLC090.AT2"])
     (fault,) = fuzz.faults(whole)

@@ -3,8 +3,6 @@
 import gzip
 import io
 import pickle
-import subprocess
-import sys
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 from importlib.metadata import distribution
@@ -301,15 +299,3 @@ def test_the_wrong_format_and_what_cannot_be_read_are_errors(path, tmp_path):
     damaged.write_bytes(csmip_equal(np.round(pulse(160), 6))[:-400])
     with pytest.raises(RecordFormatError, match=r"b.v1:\d+: "):
         obspy.read(damaged)
-
-
-@pytest.mark.sweep
-def test_reading_through_obspy_loads_neither_numba_nor_xarray(path):
-    code = (
-        "import sys; from rockpulse.readers.obspy_plugin import AT2; "
-        "first = [name for name in ('obspy', 'pandas', 'scipy') if name in sys.modules]; "
-        f"assert AT2.is_format({str(path)!r}); AT2.read_format({str(path)!r}); "
-        "print(first, [name for name in ('numba', 'xarray', 'h5py', 'pandas') if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[] []"

@@ -2,8 +2,6 @@
 
 import io
 import pickle
-import subprocess
-import sys
 
 import header_facts
 import numpy as np
@@ -19,17 +17,6 @@ def write(folder, content: bytes, name: str):
     path = folder / name
     path.write_bytes(content)
     return path
-
-
-@pytest.mark.sweep
-def test_engineering_files_are_read_without_a_heavy_package(samples):
-    code = (
-        "import sys, rockpulse.readers.folders; from rockpulse.readers import read; "
-        f"read({str(samples / 'CICLC.v1')!r}); read({str(samples / '2516b_a.smc')!r}); "
-        "print([name for name in ('obspy', 'numba', 'xarray', 'pandas', 'scipy') if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_every_format_has_a_row_with_a_name_of_its_own():

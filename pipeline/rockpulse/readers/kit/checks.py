@@ -183,8 +183,6 @@ def completeness(
         counted[channel.recorder] = max(channel.counted, counted.get(channel.recorder, 0))
     if closed and len(first) == 1:
         return ()
-    return tuple(
-        f"{whose} {counted[recorder]} channels of this recorder, but this file has {len(numbers)}; it may be truncated"
-        for recorder, numbers in held.items()
-        if len(numbers) < counted[recorder]
-    )
+    fewer = [(counted[one], len(numbers)) for one, numbers in held.items() if len(numbers) < counted[one]]
+    words = "channels of this recorder, but this file has"
+    return tuple(f"{whose} {stated} {words} {found}; it may be truncated" for stated, found in fewer)

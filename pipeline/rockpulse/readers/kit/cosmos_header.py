@@ -198,10 +198,7 @@ def held_series(header: CosmosHeader, heading: str, step: float, samples: np.nda
     """Return warnings if the stated length or the stated time of the peak contradicts the samples."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
-    lengths = (
-        kit.matched(_ABOUT, heading[: kit.LONGEST_LINE]),
-        kit.matched(_RAW_LENGTH, header.text[9]) if raw else "",
-    )
+    lengths = (kit.matched(_ABOUT, heading[: kit.LONGEST_LINE]), kit.matched(_RAW_LENGTH, header.text[9]) * raw)
     notes = [note for text in lengths for note in kit.held_length(text, samples.size, step, spare)]
     lines = header.text[9:11] if raw else header.text[10:11]
     stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]

@@ -265,11 +265,9 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 def held_peak_real(behind: Sequence[str], number: int, block: kit.ChannelSamples, per_unit: float) -> list[str]:
     """Return a warning if the samples contradict the peak in floating-point header value `number` [`per_unit` m/s2]."""
     peak, rounding = kit.printed_number(real_header_value(behind, number))
-    stated, found = (
-        abs(peak) * per_unit / kit.STANDARD_GRAVITY,
-        block.peak * kit.UNITS[block.unit] / kit.STANDARD_GRAVITY,
-    )
-    if abs(stated - found) > kit.PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / kit.STANDARD_GRAVITY:
+    unit = per_unit / kit.STANDARD_GRAVITY
+    stated, found = abs(peak) * unit, block.peak * kit.UNITS[block.unit] / kit.STANDARD_GRAVITY
+    if abs(stated - found) > kit.PEAK_TOLERANCE * max(stated, found) + rounding * unit:
         value = f"floating-point value {number} of the header states a peak of {stated:.4g} g"
         return [f"{value}, but the samples have {found:.4g} g"]
     return []

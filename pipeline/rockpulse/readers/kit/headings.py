@@ -58,11 +58,9 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Column
         pieces = [field.strip("[]() ") for field in fields]
         quantities = [quantity_of(piece) for piece in pieces]
         if any(quantities):  # a V without any unit in the line is a direction
-            quantities = [
-                kind or piece * bool(_VOLT.fullmatch(piece)) for kind, piece in zip(quantities, pieces, strict=True)
-            ]
+            quantities = [quantity_of(piece) or piece * bool(_VOLT.fullmatch(piece)) for piece in pieces]
         if len(fields) == layout.width and all(quantities) and {*quantities} - {"time"}:
-            units, prose = [field.strip("[]() ") for field in fields], rows.pop()
+            units, prose = pieces, rows.pop()
             break
     # A line that states an interval or a count contains no headings.
     line = [header[rows[-1]]] if rows else []

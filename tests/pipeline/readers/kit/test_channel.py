@@ -57,13 +57,6 @@ def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
     assert re.search(words, warning)
 
 
-def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
-    (warning,) = record(header_peak=(0.6, 0.0), peak_factor=G).warnings
-    assert warning.startswith("the header states a peak of 0.6 g, but the data have 0.3 g; check the unit")
-    assert record(header_peak=(-0.302, 0.0), peak_factor=G).warnings == ()
-    assert record(header_peak=(0.4, 0.1001), peak_factor=G).warnings == ()
-
-
 @pytest.mark.parametrize(
     ("stated", "code", "words"),
     [

@@ -128,7 +128,6 @@ CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
         ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75),
         ({}, np.nan, "rcrd start time: 8/29/2018, 02:33: 9.75", 9.75),
         ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33: . UTC", "the start time has no seconds"),
-        ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33:  UTC", "the start time has no seconds"),
         ({}, np.nan, "Rcrd start time: unknown", "the start time has no seconds"),
         ({}, 7.5, f"{CLOCK} PDT", "in PDT, but the format requires UTC"),
         ({46: 0}, 7.5, CLOCK, "quality 0"),

@@ -186,22 +186,15 @@ def test_a_unit_that_is_not_read_is_refused(write, header):
 @pytest.mark.parametrize(
     ("header", "step"),
     [
-        ("# dt = 0.005 s, 200 Hz\n", 0.005),
-        ("dt= .005 SEC\n", 0.005),
-        ("DT(ms) = 5\n", 0.005),
-        ("dt = 1/200 s\n", 0.005),
-        ("sampling interval: 5 ms\n", 0.005),
-        ("Intervalo de muestreo: 0,005\n", 0.005),
-        ("SAMPLING RATE= 200Hz\n", 0.005),
-        ("Sampling frequency (Hz): 200\n", 0.005),
-        ("200 Hz, NS\n", 0.005),
-        ("200 samples per second\n", 0.005),
-        ("band-pass 0.1-25 Hz\n", None),
-        ("M 5 at 25 km\n", None),
+        *((words, 0.005) for words in ("# dt = 0.005 s, 200 Hz", "dt= .005 SEC", "DT(ms) = 5", "dt = 1/200 s")),
+        *((words, 0.005) for words in ("sampling interval: 5 ms", "Intervalo de muestreo: 0,005", "200 Hz, NS")),
+        *((f"{words} 200", 0.005) for words in ("SAMPLING RATE=", "Sampling frequency (Hz):")),
+        ("200 samples per second", 0.005),
+        *((words, None) for words in ("band-pass 0.1-25 Hz", "M 5 at 25 km")),
     ],
 )
 def test_the_interval_of_the_header_is_believed_and_held_against_the_caller(write, header, step):
-    path = write(columns(VALUES[:, None], header))
+    path = write(columns(VALUES[:, None], f"{header}\n"))
     if step is None:
         assert read(path, units="g", dt=0.01)[0].dt == 0.01
         return

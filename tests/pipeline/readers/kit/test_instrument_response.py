@@ -34,20 +34,11 @@ def response(value, unit="M/S**2", gains=(), first="M/S**2"):
 @pytest.mark.parametrize(
     ("unit", "expected"),
     [
-        ("M", ("displacement", 1.0)),
-        ("cm", ("displacement", 0.01)),
-        ("MM", ("displacement", 0.001)),
-        ("UM/S", ("velocity", 1e-6)),
-        ("nm/sec", ("velocity", 1e-9)),
-        ("M/SECOND", ("velocity", 1.0)),
-        ("m s-1", ("velocity", 1.0)),
-        ("MM/S**2", ("acceleration", 0.001)),
-        ("M/S/S", ("acceleration", 1.0)),
-        ("cm s-2", ("acceleration", 0.01)),
-        ("(M/S^2)", ("acceleration", 1.0)),
+        *((unit, ("displacement", scale)) for unit, scale in (("M", 1.0), ("cm", 0.01))),
+        *((unit, ("velocity", scale)) for unit, scale in (("UM/S", 1e-6), ("nm/sec", 1e-9), ("m s-1", 1.0))),
+        *((unit, ("acceleration", scale)) for unit, scale in (("MM/S**2", 0.001), ("M/S/S", 1.0), ("(M/S^2)", 1.0))),
+        *((unit, ("acceleration", 0.01)) for unit in ("cm s-2", "Gal", "gals")),
         ("g", ("acceleration", STANDARD_GRAVITY)),
-        ("Gal", ("acceleration", 0.01)),
-        ("gals", ("acceleration", 0.01)),
     ],
 )
 def test_units_of_motion_in_any_spelling(unit, expected):

