@@ -24,6 +24,9 @@ BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
 
+#: Fields of a record whose text other records of a batch do not have, so that it is not shared in memory.
+UNIQUE = ("id", "source", "source_sha256")
+
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 Stage = Literal["read", "checked", "conditioned"]
 Kind = TypeVar("Kind", bound="Record")
@@ -268,7 +271,7 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
     values[0].setflags(write=False)
     record = object.__new__(kind)
     for item, value in zip(fields(kind), values, strict=True):
-        if type(value) is str:
+        if type(value) is str and item.name not in UNIQUE:
             value = sys.intern(value)
         elif isinstance(value, float):
             value = math.nan if math.isnan(value) else _shared(value, math.copysign(1.0, value))
