@@ -23,8 +23,7 @@ def formats(args: argparse.Namespace) -> int:
     from textwrap import fill
 
     from rockpulse.readers import FORMATS, UNITS
-    from rockpulse.readers.source import MEMBER_LIMIT, TOTAL_LIMIT
-    from rockpulse.readers.source import FILE_LIMIT, RATIO_LIMIT
+    from rockpulse.readers.source import FILE_LIMIT, MEMBER_LIMIT, RATIO_LIMIT, TOTAL_LIMIT
     from rockpulse.views.shared.formatting import ABSENT
 
     def wrapped(words: str, first: str = "", indent: str = "") -> str:

@@ -178,11 +178,8 @@ def test_the_count_in_the_integers():
 @pytest.mark.parametrize(
     ("peak", "per_unit", "told"),
     [
-        (2.00 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
-        (1.97 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
-        (2.03 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
-        (1.95 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, True),
-        (2.05 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, True),
+        *((peak * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False) for peak in (2.00, 1.97, 2.03)),
+        *((peak * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, True) for peak in (1.95, 2.05)),
         (2.0, 0.01, False),
         (20.0, 0.01, True),
     ],
@@ -307,13 +304,8 @@ def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:
 @pytest.mark.parametrize(
     ("numbers", "counted", "closed", "warned"),
     [
-        ("12", 3, True, True),
-        ("1", 3, False, True),
-        ("1", 3, True, False),
-        ("123", 3, False, False),
-        ("1234", 3, False, False),
-        ("1", 0, False, False),
-        ("12", 0, False, False),
+        *(("12", 3, True, True), ("1", 3, False, True), ("1", 3, True, False)),
+        *((numbers, counted, False, False) for numbers, counted in (("123", 3), ("1234", 3), ("1", 0), ("12", 0))),
     ],
 )
 def test_fewer_channels_than_are_counted(numbers, counted, closed, warned):

@@ -113,12 +113,16 @@ def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:
         ("Time [sec] Acceleration [cm/sec2] Velocity [cm/sec] Displacement [cm]\n", " "),
         ("# Time (s)   Acc. NS (cm/s2)   Velocity NS (cm/s)   Displ. NS (cm)\n", " "),
         ("t a v d\n", "\t"),
-        ("Tiempo (s), Aceleración, Velocidad, Desplazamiento\n", ","),
+        *(
+            (f"{words}\n", ",")
+            for words in ("Tiempo (s), Aceleración, Velocidad, Desplazamiento", "Zaman,İvme,Hız,Deplasman")
+        ),
+        *(
+            (f"Tempo;{words}\n", ";")
+            for words in ("Accelerazione;Velocità;Spostamento", "Aceleração;Velocidade;Deslocamento")
+        ),
         ("Zeit;Beschleunigung;Geschwindigkeit;Verschiebung\n", ";"),
         ("Temps\tAccélération\tVitesse\tDéplacement\n", "\t"),
-        ("Tempo,Accelerazione,Velocità,Spostamento\n", ","),
-        ("Zaman,İvme,Hız,Deplasman\n", ","),
-        ("Tempo;Aceleração;Velocidade;Deslocamento\n", ";"),
         ("Time,Acc,Vel,Disp\ns,cm/s2,cm/s,cm\n", ","),
         ("Time,x,y,z\n(s),(cm/s2),(cm/s),(cm)\n", ","),
     ],

@@ -331,10 +331,8 @@ def stepped(inside, behind):
     ("inside", "behind", "series"),
     [
         # Ratios of the mean squares 1.69, 1.82 and just 1.8 = 9/5, either way.
-        ([2.0] * 21, [2.6] * 20, True),
-        ([2.0] * 21, [2.7] * 20, False),
-        ([2.6] * 21, [2.0] * 20, True),
-        ([2.7] * 21, [2.0] * 20, False),
+        *(([2.0] * 21, [step] * 20, series) for step, series in ((2.6, True), (2.7, False))),
+        *(([step] * 21, [2.0] * 20, series) for step, series in ((2.6, True), (2.7, False))),
         ([3.0] * 21, [1.0, 3.0] * 10, False),
         ([1.0, 3.0] * 11, [3.0] * 21, False),
         # The step behind a row turns back in so many of 20: down a column four times that share to one.

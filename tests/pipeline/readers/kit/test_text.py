@@ -76,14 +76,12 @@ def test_blanks_at_the_end_and_fields_beyond_the_count_do_not_matter(rows):
         (["   1   2   3", "   4   5   6"], "a:9: expected 7 numbers .*found 6"),
         (["   1   2   3", "   4   5", "   7"], "a:8: expected 3 fields of 4 characters, found a row of 8"),
         (["   1   2   3", "   4   5   6   7", "   7"], "a:8: expected 3 fields of 4 characters, found a row of 16"),
-        (["   1   2   3", "   4 x.5   6", "   7"], "a:8: expected a finite number, found 'x.5'"),
         (["   1   2   3", "   4       6", "   7"], "a:8: expected a finite number, found 'a blank field'"),
-        (["   1   2   3", "   4 nan   6", "   7"], "a:8: expected a finite number, found 'nan'"),
+        *(
+            (["   1   2   3", f"   4 {word}   6", "   7"], f"a:8: expected a finite number, found '{word.strip()}'")
+            for word in ("x.5", "nan", "1 2", "1_2", "  ²", "  ٣")
+        ),
         (["   1   2   3", "   41e99 1e9", "1999"], ""),
-        (["   1   2   3", "   4 1 2   6", "   7"], "a:8: expected a finite number, found '1 2'"),
-        (["   1   2   3", "   4 1_2   6", "   7"], "a:8: expected a finite number, found '1_2'"),
-        (["   1   2   3", "   4   ²   6", "   7"], "a:8: expected a finite number, found '²'"),
-        (["   1   2   3", "   4   ٣   6", "   7"], "a:8: expected a finite number, found '٣'"),
         (["   1   2   3", "   4   \0   6", "   7"], "a:8: expected a finite number"),
     ],
 )
