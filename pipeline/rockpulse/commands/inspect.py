@@ -30,7 +30,7 @@ NOTHING = "nothing failed and nothing was skipped"
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     """Return the texts that the options request, or the overview of the results if no option requests any."""
-    from rockpulse.views.text.left_out import failure_list
+    from rockpulse.views.shared.files_used import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
 
@@ -86,7 +86,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     from rockpulse.storage.hdf5.results_file import load_tree
-    from rockpulse.views.text.left_out import failure_list
+    from rockpulse.views.shared.files_used import failure_list
 
     listed = "failures" in file.groups
     asked = [option for option in ("record", "block", "records", "blocks", *OF_CASES) if getattr(args, option)]

@@ -91,9 +91,8 @@ def convert(args: argparse.Namespace) -> int:
     from rockpulse.readers.conversion import check_output, write
     from rockpulse.readers.folders import read_all
     from rockpulse.record.record import STANDARD_GRAVITY
-    from rockpulse.views.shared.files_used import count_files
+    from rockpulse.views.shared.files_used import count_files, rows_not_used
     from rockpulse.views.shared.formatting import paragraph
-    from rockpulse.views.text.left_out import rows_not_used
 
     options = reading_options(args)
     writer = check_output(args.output, args.format)  # rejects unknown formats before files are read

@@ -77,9 +77,8 @@ def fragility(args: argparse.Namespace) -> int:
 
     from rockpulse.run.batch import fragility_files
     from rockpulse.storage.hdf5.results_file import load_tree
-    from rockpulse.views.shared.files_used import failure_rows
+    from rockpulse.views.shared.files_used import failure_rows, rows_not_used
     from rockpulse.views.text.fragility import fragility_overview
-    from rockpulse.views.text.left_out import rows_not_used
 
     with recorded(args):
         report = fragility_files(paths, config, args.output, batch_options(args))
@@ -118,10 +117,9 @@ def select(args: argparse.Namespace) -> int:
     from rockpulse.studies.selection.selection import select
     from rockpulse.views.plots.spectra import selected_spectra
     from rockpulse.views.plots.style import picture_bytes, whole_figure
-    from rockpulse.views.shared.files_used import failure_rows, files_used
+    from rockpulse.views.shared.files_used import failure_rows, files_used, rows_not_used
     from rockpulse.views.shared.words import writing
-    from rockpulse.views.text.left_out import rows_not_used
-    from rockpulse.views.text.selection import selection_overview, selection_table
+    from rockpulse.views.text.site import selection_overview, selection_table
 
     table = check_file(args.output, args.overwrite)
     picture = check_file(table.with_suffix(".png"), args.overwrite, (".png",))

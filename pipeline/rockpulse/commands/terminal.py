@@ -279,8 +279,7 @@ def _check_log(log: Path, output: Path) -> None:
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     """Print why no record could be used (one line if `quiet`), and return the exit code."""
-    from rockpulse.views.shared.files_used import count_files
-    from rockpulse.views.text.left_out import rows_not_used
+    from rockpulse.views.shared.files_used import count_files, rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
     message = f"rockpulse: no record could be {what}; nothing was written"

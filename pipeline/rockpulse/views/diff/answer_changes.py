@@ -10,8 +10,8 @@ import xarray as xr
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.formatting import ratio
-from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.table_columns import margin_cells
+from rockpulse.views.shared.verdict_table import factor_heading
 
 #: Variables that describe the margin of a body.
 MARGIN = (

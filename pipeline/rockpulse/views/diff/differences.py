@@ -265,11 +265,8 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
     if old.dtype.kind != "f" or new.dtype.kind != "f" or not places.size:
         return places
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
-    with np.errstate(invalid="ignore"):
-        close = np.abs(one - other) <= atol + rtol * np.maximum(np.abs(one), np.abs(other))
-    close &= np.isfinite(one) & np.isfinite(other)
-    close |= np.isnan(one) & np.isnan(other)
-    return places[~close]
+    close = [np.isclose(*pair, rtol, atol, equal_nan=True) for pair in ((one, other), (other, one))]
+    return places[~np.any(close, axis=0)]
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from rockpulse.storage.export.long_table import POINTS_AT
@@ -79,8 +80,8 @@ class RowMatcher:
         old, new = ([str(label) for label in dataset[dim].values] for dataset in (self.one, self.other))
         add_only(self.only, f"{dim}s", old, new)
         place = {label: k for k, label in enumerate(new)}
-        first = np.array([k for k, label in enumerate(old) if label in place], dtype=int)
-        second = np.array([place[old[k]] for k in first.tolist()], dtype=int)
+        at = np.array([place.get(label, -1) for label in old], dtype=int)
+        first, second = np.flatnonzero(at >= 0), at[at >= 0]
         matched = Matched(first, second, lambda k: (old[int(first[k])],), old == new)
         if self.group == "summary":
             self.named[dim] = matched
@@ -120,25 +121,22 @@ class RowMatcher:
         if alike and all(matched.whole for matched in self.named.values()):
             every = np.arange(self.one.sizes[dim])
             return Matched(every, every, self._names(dim, pointers, every), True)
-        columns = [
-            [self._common(dataset[name].values, POINTS_AT[name], side) for name in pointers]
-            for dataset, side in ((self.one, "first"), (self.other, "second"))
-        ]
-        keys = [np.zeros(dataset.sizes[dim], dtype=np.int64) for dataset in (self.one, self.other)]
-        for old, new in zip(*columns, strict=True):
-            radix = int(max(old.max(initial=0), new.max(initial=0))) + 1
-            for key, pointed in zip(keys, (old, new), strict=True):
-                key *= radix
-                key += pointed
-        first, second, apart, whole = _in_order(
-            *keys, *(np.all([column >= 0 for column in side], axis=0) for side in columns)
-        )
+        tables = []
+        for dataset, side in ((self.one, "first"), (self.other, "second")):
+            table = pd.DataFrame({name: self._common(dataset[name].values, POINTS_AT[name], side) for name in pointers})
+            table = table[(table >= 0).all(axis=1)].sort_values(pointers, kind="stable")
+            groups = table.groupby(pointers)[pointers[0]]
+            tables.append(table.assign(number=groups.cumcount(), size=groups.transform("size"), row=table.index))
+        one, other = (table.groupby(pointers).size() for table in tables)
+        apart = int((one.sub(other, fill_value=0) != 0).sum())
+        both = tables[0].merge(tables[1], on=[*pointers, "number", "size"])
         if apart:
             self.warnings.append(
                 f"/{self.group}: {apart} combinations of record, block and model differ in the number of rows, and "
                 "were not compared"
             )
-        return Matched(first, second, self._names(dim, pointers, first), whole)
+        first, second = (both[f"row_{side}"].to_numpy() for side in "xy")
+        return Matched(first, second, self._names(dim, pointers, first), False)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
         """Return a function that gives, for a matched row, the names of its record, body and model, and its index."""
@@ -161,22 +159,3 @@ class RowMatcher:
         number = np.full(int(max(pointed.max(initial=-1), place.max(initial=-1))) + 2, -1, dtype=np.int64)
         number[place] = np.arange(place.size)
         return np.asarray(number[pointed])
-
-
-def _in_order(
-    first_key: np.ndarray, second_key: np.ndarray, first_known: np.ndarray, second_known: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, int, bool]:
-    """Return the indices of matched rows in both files, the number of unmatched keys, and whether all rows match."""
-    if np.array_equal(first_key, second_key) and first_known.all() and second_known.all():
-        return np.arange(first_key.size), np.arange(first_key.size), 0, True
-    rows = []
-    for key, known in ((first_key, first_known), (second_key, second_known)):
-        kept = np.flatnonzero(known)
-        rows.append(kept[np.argsort(key[kept], kind="stable")])
-    (old, old_count), (new, new_count) = (
-        np.unique(key[row], return_counts=True) for key, row in zip((first_key, second_key), rows, strict=True)
-    )
-    common, one, other = np.intersect1d(old, new, assume_unique=True, return_indices=True)
-    alike = common[old_count[one] == new_count[other]]
-    first, second = (row[np.isin(key[row], alike)] for key, row in zip((first_key, second_key), rows, strict=True))
-    return first, second, int(np.union1d(old, new).size - alike.size), False

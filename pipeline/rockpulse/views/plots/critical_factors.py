@@ -15,7 +15,7 @@ from rockpulse.views.plots import factor_rows, style
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, settings_of, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.notes import factor_name
+from rockpulse.views.shared.verdict_table import factor_name
 from rockpulse.views.shared.words import listed, numerals, say, translated
 
 #: Style of a gap between two intervals of overturning, in which the body survives: hatched, or light grey if narrow.

@@ -12,8 +12,8 @@ from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ratio, share
-from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
+from rockpulse.views.shared.verdict_table import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.words import body_name, numerals, say
 
 #: Grade of a cell for each result of a body under a record.

@@ -312,16 +312,16 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     order = sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     selected = columns(*(["restitution"] if len(own) > 1 else []), PGA)
     further = cells.cells(selected, *zip(*order, strict=True)) if order else []
-    rows = tuple((_by_name(cells, at[0]), *values, *cells.of(*at)) for at, values in zip(order, further, strict=True))
+
+    def by_name(record: int) -> Cell:
+        """Return a cell with earthquake, station and direction of a record or, if these are unknown, its id."""
+        known, cell = Known(answers.summary, record=answers.records[record]), cells.record(record)
+        return cell._replace(text=records.record_named(known, cell.text))
+
+    rows = tuple((by_name(at[0]), *values, *cells.of(*at)) for at, values in zip(order, further, strict=True))
     headings = (Heading(say("head.record")), *headed(selected), *cells.short)
     caption = say("caption.governing" if len(pairs) > GOVERNING else "caption.each_record")
     return Table(f"body-{place}-records", caption, headings, rows)
-
-
-def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """Return a cell with earthquake, station and direction of a record or, if these are unknown, its id."""
-    known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
-    return cell._replace(text=records.record_named(known, cell.text))
 
 
 def _of_record(one: Known, event: str, full: bool) -> tuple[Fact, ...]:

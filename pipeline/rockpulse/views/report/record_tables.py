@@ -13,12 +13,11 @@ from rockpulse.errors import alike
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN, words_of
-from rockpulse.views.shared.files_used import failure_rows, reasons_of
+from rockpulse.views.shared.files_used import apart, by_kind, failure_rows, reasons_of
 from rockpulse.views.shared.formatting import ratio, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
-from rockpulse.views.text.left_out import apart, by_kind
 from rockpulse.warning_text import has_warning
 
 #: Largest number of rows in the table of records, directions in a row, reasons for a kind, and of ids of an earthquake.

@@ -1,8 +1,8 @@
 """The warnings of the report in three grades: warnings that may change a verdict, limit its use, or explain it."""
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -28,13 +28,19 @@ from rockpulse.warning_text import has_warning
 
 #: Grades of warnings: may change a verdict, limits its use, or only explains it.
 GRADES = ("decides", "limits", "notes")
+#: Grade of each warning; the others may change a verdict.
+_GRADE = defaultdict(
+    lambda: "decides",
+    dict.fromkeys(("no_demand", "site_confidence", "confidence", "files", "drift", "given", "pedestal"), "limits")
+    | dict.fromkeys(("sequence_model", "at_rest", "restitutions", "as_recorded"), "notes"),
+)
 
 
 @dataclass(frozen=True)
 class Limit:
     """A warning in the report: its severity (``grade``), a heading, and one or two sentences."""
 
-    grade: Literal["decides", "limits", "notes"]
+    grade: str
     head: str
     text: str
 
@@ -47,32 +53,83 @@ def warnings(
     components: str = "",
 ) -> list[Limit]:
     """Return the warnings on the verdicts, the most serious first; `components` is the option in [records]."""
-    summary, motions = answers.summary, answers.motions
-    said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
-    if motions.kind == "sequence":
-        if any(has_warning(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
-            said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
-        said += [] if site is None else _of_design(site, found)
-    if answers.demands or motions.kind == "sequence":
-        said.append(_confidence(found, motions, site))
+    named = _of_answers(answers, found, files, site, components)
+    said = (
+        Limit(_GRADE[key], *(say(f"warning.{key}.{part}", **fields) for part in ("head", "text")))
+        for key, fields in named
+    )
+    return sorted(said, key=lambda one: GRADES.index(one.grade))
+
+
+def _of_answers(
+    answers: Answers, found: Sequence[BodyVerdict], files: FilesUsed, site: xr.Dataset | None, components: str
+) -> Iterator[tuple[str, dict[str, object]]]:
+    """Yield the key of each warning, and the fields of its text."""
+    summary, motions, model = answers.summary, answers.motions, say(f"models.{answers.model}")
+    sequence, deciding = motions.kind == "sequence", [one.deciding for one in found]
+    codes = [str(one) for one in summary["warning_codes"].values]
+    if doubted := [cell for cell in record_cells(summary) if cell.marks]:
+        fields = {"count": counted_words(len(doubted), "record"), "notes": " ".join(doubt_notes(doubted))}
+        yield "doubtful", {**fields, "records": listed([cell.marked for cell in doubted])}
+    most: dict[str, int] = {}
+    for demand in (demand for one in found for demand in one.demands if demand.few):
+        most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
+    for name, count in most.items():
+        fields = {"events": counted_words(count, "earthquake"), "most": six_digits(FARTHEST[1])}
+        yield "few", {"name": name, "needed": FEWEST_AT_DEMAND, **fields}
+    # The verdicts may not be computed with the full equation of motion.
+    if is_upper_bound(answers.model):
+        yield "upper_bound", {"model": model}
+    elif sequence:
+        yield "sequence_model", {"model": model}
+    elif not is_full(answers.model):
+        yield "other_model", {"model": model}
+    if count := sum(one.share.unknown for one in found):
+        why = "" if answers.probable else say("warning.unknown.why")
+        yield "unknown", {"count": count, "total": len(found) * len(motions.names), "why": why}
+    if sequence:
+        if any(has_warning(own, "demand_not_compared") for own in codes):
+            yield "not_compared", {}  # a sequence has no PGA
+        yield from () if site is None else _of_design(site, found)
+        covered = say("warning.site_confidence.ask") if site is None else coverage(site)
+        yield "site_confidence", {"coverage": covered}
+    elif answers.demands:
+        count = _fewest(found, motions)
+        events = counted_words(count, "earthquake")
+        few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
+        few, unknown = few if count < FEWEST_EVENTS else "", of_unknown_event(motions)
+        fields = {"most": _most(count), "confidence": share(CONFIDENCE)}
+        yield "confidence", {"events": events, "few": few, "unknown": unknown, **fields}
     else:
-        said.append(_limit("limits", "no_demand", unknown=of_unknown_event(motions)))
-    said.append(_at_rest(found, motions))
+        yield "no_demand", {"unknown": of_unknown_event(motions)}
+    idle, total = (sum(getattr(one, name) for one in deciding) for name in ("at_rest", "motions"))
+    if idle and not sequence:
+        rests = (
+            0 < one.at_rest == one.motions or (bool(one.demand) and one.largest_rotation == 0.0) for one in deciding
+        )
+        never, bodies = sum(rests), counted_words(len(found), "body")
+        yield "never_lifted" if never else "at_rest", {"never": never, "bodies": bodies, "idle": idle, "total": total}
     if files.line:
-        counted = files.counted or say("warning.files.none")
-        said.append(_limit("limits", "files", counted=counted, reasons=files.reasons))
-    said += _of_bodies(answers, found)
+        yield "files", {"counted": files.counted or say("warning.files.none"), "reasons": files.reasons}
+    for alone, worst in worse_with_pedestal(answers, found):
+        yield "pedestal", {"name": alone, "worst": body_name(worst.body.name), "value": ratio(worst.share.value)}
+    if slid := [body_name(one.body.name) for one in found if one.deciding.slides_first or one.deciding.sliding > 0.0]:
+        yield "slides", {"names": listed(slid)}
+    of_blocks = zip(answers.blocks, summary["block_warning_codes"].values, strict=True)
+    if endless := [body_name(name) for name, own in of_blocks if has_warning(str(own), "tie_unlimited")]:
+        yield "ties", {"names": listed(endless)}
     if drifting := int(answers["pgv_drift"].sum()):
-        said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
-    if given := sum(has_warning(str(codes), "direction_given") for codes in summary["warning_codes"].values):
-        said.append(_limit("limits", "given", count=counted_words(given, "record")))
+        yield "drift", {"count": counted_words(drifting, "record")}
+    if given := sum(has_warning(own, "direction_given") for own in codes):
+        yield "given", {"count": counted_words(given, "record")}
     blocks = {one.body.block for one in found}
     if len(blocks) < len(found):
-        words = {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")}
-        said.append(_limit("notes", "restitutions", **words))
+        yield (
+            "restitutions",
+            {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")},
+        )
     if components == "horizontal" and motions.kind == "record":
-        said.append(_limit("notes", "as_recorded"))
-    return sorted((one for one in said if one is not None), key=lambda one: GRADES.index(one.grade))
+        yield "as_recorded", {}
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
@@ -105,33 +162,6 @@ def _not_covered(summary: xr.Dataset) -> list[str]:
     return [*found, say("limits.others")]
 
 
-def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:
-    return Limit(grade, say(f"warning.{key}.head", **fields), say(f"warning.{key}.text", **fields))
-
-
-def _of_model(answers: Answers) -> list[Limit]:
-    """Warn if the verdicts are not computed with the full equation of motion."""
-    if is_upper_bound(answers.model):
-        return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
-    if answers.motions.kind == "sequence":
-        return [_limit("notes", "sequence_model", model=say(f"models.{answers.model}"))]
-    if not is_full(answers.model):
-        return [_limit("decides", "other_model", model=say(f"models.{answers.model}"))]
-    return []
-
-
-def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if records of too few earthquakes can be scaled to a demand."""
-    most: dict[str, int] = {}
-    for demand in (demand for one in found for demand in one.demands if demand.few):
-        most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
-    fields = {"needed": FEWEST_AT_DEMAND, "most": six_digits(FARTHEST[1])}
-    return [
-        _limit("decides", "few", name=name, events=counted_words(count, "earthquake"), **fields)
-        for name, count in most.items()
-    ]
-
-
 def _most(events: int) -> str:
     """Return, as text, the upper confidence limit of P for a body that none of the earthquakes overturns."""
     return share(float(probability_interval(np.zeros(events))[1]))
@@ -141,82 +171,13 @@ def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
     return min((one.deciding.earthquakes for one in found), default=motions.event_count)
 
 
-def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:
-    if motions.kind == "sequence":
-        covered = say("warning.site_confidence.ask") if site is None else coverage(site)
-        return _limit("limits", "site_confidence", coverage=covered)
-    count = _fewest(found, motions)
-    events = counted_words(count, "earthquake")
-    few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
-    return _limit(
-        "limits",
-        "confidence",
-        events=events,
-        most=_most(count),
-        confidence=share(CONFIDENCE),
-        few=few if count < FEWEST_EVENTS else "",
-        unknown=of_unknown_event(motions),
-    )
-
-
-def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
+def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, dict[str, object]]]:
     """Warn of bodies that do not overturn under the design spectrum, but may within its confidence interval."""
-    standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
-    confidence = share(float(site["confidence"]))
-    names = [str(name) for name in site["block"].values]
-    of = {name: site.isel(block=place) for place, name in enumerate(names)}
-    own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
-    within = [name for name, one in own.items() if float(one["design_factor_lower"]) <= 1.0]
+    of = {str(name): site.isel(block=place) for place, name in enumerate(site["block"].values)}
+    standing = (one.body.name for one in found if one.grade < Grade.MAY_OVERTURN)
+    own = {body_name(name): of[name] for name in standing if name in of}
+    if within := [name for name, one in own.items() if float(one["design_factor_lower"]) <= 1.0]:
+        yield "within_spectrum", {"confidence": share(float(site["confidence"])), "bodies": listed(within)}
     shares = {name: float(one["overturned_share"]) for name, one in own.items()}
-    fallen = [f"{body_name(name)} ({share(value)})" for name, value in shares.items() if value > 0.0]
-    said = []
-    if within:
-        bodies = listed([body_name(name) for name in within])
-        said.append(_limit("decides", "within_spectrum", confidence=confidence, bodies=bodies))
-    if fallen:
-        said.append(_limit("decides", "fallen_spectrum", bodies=listed(fallen)))
-    return said
-
-
-def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies that may slide, with ties of unlimited elongation, or with a worse verdict on their pedestal."""
-    said = []
-    for alone, worst in worse_with_pedestal(answers, found):
-        value = ratio(worst.share.value)
-        said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
-    slid = [one.body.name for one in found if one.deciding.slides_first or one.deciding.sliding > 0.0]
-    if slid:
-        said.append(_limit("decides", "slides", names=listed([body_name(name) for name in slid])))
-    codes = zip(answers.blocks, answers.summary["block_warning_codes"].values, strict=True)
-    if endless := [body_name(name) for name, own in codes if has_warning(str(own), "tie_unlimited")]:
-        said.append(_limit("decides", "ties", names=listed(endless)))
-    return said
-
-
-def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
-    if not count:
-        return None
-    why = "" if answers.probable else say("warning.unknown.why")
-    return _limit("decides", "unknown", count=count, total=total, why=why)
-
-
-def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
-    idle, total = (sum(getattr(one.deciding, name) for one in found) for name in ("at_rest", "motions"))
-    if not idle or motions.kind == "sequence":
-        return None
-    every = [one.deciding for one in found]
-    never = sum(0 < one.at_rest == one.motions or (bool(one.demand) and one.largest_rotation == 0.0) for one in every)
-    if never:
-        bodies = counted_words(len(found), "body")
-        return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)
-    return _limit("notes", "at_rest", idle=idle, total=total)
-
-
-def _doubtful(summary: xr.Dataset) -> Limit | None:
-    named = [cell for cell in record_cells(summary) if cell.marks]
-    if not named:
-        return None
-    notes = " ".join(doubt_notes(named))
-    records = listed([cell.marked for cell in named])
-    return _limit("decides", "doubtful", count=counted_words(len(named), "record"), records=records, notes=notes)
+    if fallen := [f"{name} ({share(value)})" for name, value in shares.items() if value > 0.0]:
+        yield "fallen_spectrum", {"bodies": listed(fallen)}

@@ -1,7 +1,7 @@
 """Makes the verdicts in the report: a card for each body, the table of bodies, and explanations."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -26,12 +26,12 @@ from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, 
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
 from rockpulse.views.shared.table_columns import (
-    cell_of_record,
     columns,
     filled,
     grade_cell,
     headed,
     margin_cells,
+    record_cells,
     unexplained,
 )
 from rockpulse.views.shared.verdict_table import tie_table, verdict_columns, verdict_rows
@@ -263,7 +263,7 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = Fal
     findings = [row for _, row in rows]
     several = any(one.body.several for one in found)
     selected = (*columns(*(["restitution"] if several else [])), *verdict_columns(answers, findings))
-    values = verdict_rows(answers, rows, partial(_governing, answers, cell_of_record(answers.summary)))
+    values = verdict_rows(answers, rows, partial(_governing, answers, record_cells(answers.summary)))
     values["restitution"] = [one.body.restitution for one, _ in rows]
     names = [Cell(one.body.block, link=f"body-{one.body.place}") for one, _ in rows]
     cells = tuple((name, *more) for name, more in zip(names, filled(selected, values), strict=True))
@@ -276,13 +276,12 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = Fal
 
 def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:
     """Return the table of the ties; None if no body has ties."""
-    return tie_table(answers, found, partial(_governing, answers, cell_of_record(answers.summary)))
+    return tie_table(answers, found, partial(_governing, answers, record_cells(answers.summary)))
 
 
-def _governing(answers: Answers, cell: Callable[[int], Cell], record: int) -> Cell:
+def _governing(answers: Answers, cells: Sequence[Cell], record: int) -> Cell:
     """Return a cell with the name of a record, given by its row in /summary, and a link to its section."""
-    name = cell(record)
-    known = Known(answers.summary, record=answers.records[record])
+    name, known = cells[record], Known(answers.summary, record=answers.records[record])
     whole = known.direction.replace("-", "\N{NON-BREAKING HYPHEN}")  # on one line of the table
     label = record_named(known, name.text).replace(known.direction, whole)
     return unexplained(name)._replace(text=label, link=f"record-{record}")

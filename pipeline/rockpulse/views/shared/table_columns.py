@@ -92,21 +92,15 @@ def record_cell(name: str, pga: float, codes: str) -> Cell:
     return Cell(str(name), marks=doubt(pga, str(codes)))
 
 
-def cell_of_record(summary: xr.Dataset) -> Callable[[int], Cell]:
-    """Return a function that gives the cell with id and marks of a record from its row in the group /summary."""
-    rows = list(zip(*(summary[name].values.tolist() for name in _RECORD), strict=True))
-    return lambda row: record_cell(*rows[row])
-
-
 def record_cells(summary: xr.Dataset) -> list[Cell]:
     """Return, for every record of the group /summary, a cell with its id and marks."""
-    return [*map(cell_of_record(summary), range(summary.sizes["record"]))]
+    return [*map(record_cell, *(summary[name].values.tolist() for name in _RECORD))]
 
 
 def marked_record(summary: xr.Dataset) -> Callable[[int], Cell]:
     """Return a function that gives a cell from the row of a record; the text of the cell is the id and its marks."""
-    cell = cell_of_record(summary)
-    return lambda row: Cell(cell(row).marked)
+    cells = record_cells(summary)
+    return lambda row: Cell(cells[row].marked)
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import xarray as xr
 
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, six_digits, three_digits
-from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.table import Cell, Table, lines
 from rockpulse.views.shared.table_columns import Column, tabulated, titled
 from rockpulse.views.shared.words import counted_words, reason_words, result_text, say
 
@@ -29,45 +29,38 @@ def _moved(value: float) -> Cell:
     return Cell(say("answer.overturns")) if math.isinf(value) else _value(value)
 
 
-def _word(value: float) -> Cell:
-    if math.isnan(value):
-        return Cell("")
-    return Cell(say("check.passes"), grade="good") if value >= 1.0 else Cell(say("check.fails"), grade="bad")
-
-
-def _columns(of_records: bool) -> tuple[Column, ...]:
+def _columns(check: xr.Dataset, report: bool = False) -> tuple[Column, ...]:
+    """Return the columns of a row for each body and code; those for the report have titles, and other words."""
     demand, share = say("check.demand"), say("check.ratio")
+    code, outcome = (say("check.code"), say("check.outcome")) if report else ("", "")
+    passes, fails = (say(f"check.{word}") for word in (("yes", "no") if report else ("passes", "fails")))
+
+    def word(value: float) -> Cell:
+        good = Cell(passes, grade="good") if value >= 1.0 else Cell(fails, grade="bad")
+        return Cell("") if math.isnan(value) else good
+
     counted = titled("n", lambda count: Cell(f"{count}" if count else ABSENT), "records")
     return (
-        titled("", lambda code: Cell(code_words(code)), "code"),
+        *([titled(say("head.body"), Cell, "block")] if report else []),
+        titled(code, lambda code: Cell(code_words(code)), "code"),
         titled("alpha_0", _value, "multiplier"),
         titled("a_0*", _value, "activation", unit="m/s2"),
         titled(demand, _value, "activation_demand", unit="m/s2"),
         titled(share, _value, "activation_ratio"),
-        titled("", _word, "activation_ratio"),
+        titled(outcome, word, "activation_ratio"),
         titled("d_u", _value, "displacement", unit="m"),
         titled("T", _value, "period", unit="s"),
         titled(demand, _moved, "displacement_demand", unit="m"),
         titled(share, _value, "displacement_ratio"),
-        titled("", _word, "displacement_ratio"),
-        *([counted] if of_records else []),
+        titled(outcome, word, "displacement_ratio"),
+        *([counted] if _of_records(check) else []),
     )
 
 
 def check_table(check: xr.Dataset, order: Sequence[str]) -> Table:
     """Return the result of :func:`rockpulse.check` as a table with a row for each body (in `order`) and code."""
     checked = check.sel(block=list(order)).stack(row=("block", "code"))
-    table = tabulated("code-checks", check_title(check), _columns(_of_records(check)), checked)
-    titles = iter((say("check.code"), say("check.outcome"), say("check.outcome")))
-    headings = (one if one.title else one._replace(title=next(titles)) for one in table.headings)
-    names = [Cell(name) for name in order for _ in range(check.sizes["code"])]
-    words = {"good": say("check.yes"), "bad": say("check.no"), "": ""}
-    rows = ([one._replace(text=words[one.grade] or one.text) for one in row] for row in table.rows)
-    return replace(
-        table,
-        headings=(Heading(say("head.body")), *headings),
-        rows=tuple((name, *row) for name, row in zip(names, rows, strict=True)),
-    )
+    return tabulated("code-checks", check_title(check), _columns(check, report=True), checked)
 
 
 def check_overview(check: xr.Dataset) -> str:
@@ -79,7 +72,7 @@ def check_overview(check: xr.Dataset) -> str:
             titled("P", lambda chance: Cell(ratio(chance)), "probability"),
             titled("median scale factor", _value, "factor_50"),
         )
-    table = tabulated("", "", _columns(_of_records(check)) + of_results, check.stack(row=("block", "code")))
+    table = tabulated("", "", _columns(check) + of_results, check.stack(row=("block", "code")))
     below = []
     for place, name in enumerate(names):
         below += [(Cell(name), *[Cell("")] * (len(table.headings) - 1))]

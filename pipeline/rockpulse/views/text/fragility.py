@@ -8,12 +8,11 @@ import xarray as xr
 from rockpulse.record.measures import REFERENCE
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
-from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.files_used import files_used, unused
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.table_columns import count_of, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, numerals, say, translated, warnings_of
-from rockpulse.views.text.left_out import unused
 
 #: Mark of a median beyond all levels analysed.
 BEYOND = CellMark("beyond", "!")

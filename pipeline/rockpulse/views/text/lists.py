@@ -14,8 +14,8 @@ from rockpulse.storage.export.row_selection import RowSelection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
 from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened
-from rockpulse.views.shared.notes import factor_heading, factor_name
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
+from rockpulse.views.shared.table import Cell, Table, lines, number_cell
+from rockpulse.views.shared.verdict_table import factor_heading, factor_name
 from rockpulse.views.shared.words import say
 
 #: Columns of a list of results; for each scale factor that may be known, its columns and their notes.
@@ -102,7 +102,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
         *(["*: outside the range of this model."] if col.OUTSIDE in marks else []),
         *(["!: a lower bound; from this scale factor on the model gives no result."] if col.NO_ANSWER in marks else []),
     ]
-    return _listed(heading, col.headed(selected), table, notes)
+    return _listed(heading, selected, table, notes)
 
 
 def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
@@ -127,25 +127,25 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
     fallen, margins = answers.overturnings(of), answers.margins(of)
     opposite = answers.blocks if of_records else answers.records
     own = [[body.restitution for body in answers.bodies if body.place == place] for place in range(len(answers.blocks))]
+    width = col.NAME_WIDTH if of_records else col.ID_WIDTH
+    smallest = [col.smallest_of(margins[place], opposite, width) for place in at]
     points = _Points(
         summary,
         places,
         fallen=[fallen[place] for place in at],
         total=[len(opposite)] * len(at),
         restitutions=[] if of_records else [own[place] for place in at],
+        smallest=[cell for cell, _ in smallest],
+        where=[cell for _, cell in smallest],
     )
     selected = col.columns(*names)
     if of_records:
         selected += _of_interest(summary, selection, selected, "record") + col.columns("overturns")
-    smallest = [
-        col.smallest_of(margins[place], opposite, col.NAME_WIDTH if of_records else col.ID_WIDTH) for place in at
-    ]
-    table = [(*cells, *more) for cells, more in zip(col.filled(selected, points), smallest, strict=True)]
-    headings = (
-        *col.headed(selected),
-        Heading(factor_heading(answers.factor)),
-        Heading("of" if of_records else "under"),
+    selected += (
+        col.titled(factor_heading(answers.factor), lambda cell: cell, "smallest"),
+        col.titled("of" if of_records else "under", lambda cell: cell, "where"),
     )
+    table = col.filled(selected, points)
     marks = col.marks_of(cell for row in table for cell in row)
     what = ("Bodies overturned", "for which body") if of_records else ("Records that overturn", "under which record")
     notes = [
@@ -155,9 +155,8 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
         *(col.doubt_notes(row[0] for row in table) if of_records else ()),
     ]
     limited = f"{len(table)} of " if len(table) < found else ""
-    return _listed(
-        f"{limited}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
-    )
+    heading = f"{limited}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}"
+    return _listed(heading, selected, table, notes)
 
 
 def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
@@ -202,6 +201,6 @@ def _order(selection: RowSelection) -> str:
     return f", {'largest' if selection.descending else 'smallest'} {selection.sort} first" if selection.sort else ""
 
 
-def _listed(heading: str, headings: Sequence[Heading], table: Sequence[tuple[Cell, ...]], notes: list[str]) -> str:
-    laid = lines(Table("", "", tuple(headings), tuple(table)), "  ")
+def _listed(heading: str, selected: Sequence[col.Column], table: Sequence[tuple[Cell, ...]], notes: list[str]) -> str:
+    laid = lines(Table("", "", col.headed(selected), tuple(table)), "  ")
     return "\n".join([heading, "", *laid, "", *(paragraph(note, "  ") for note in notes)])

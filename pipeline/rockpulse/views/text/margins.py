@@ -12,8 +12,8 @@ from rockpulse.assessment.verdict import verdicts
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
-from rockpulse.views.shared.notes import cautions, factor_heading, factor_name, factor_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
+from rockpulse.views.shared.verdict_table import cautions, factor_heading, factor_name, factor_notes
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
@@ -96,6 +96,9 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     def swept(name: str, model: str = answers.model) -> np.ndarray:
         return lanes(directions, name, answers.bodies, model)
 
+    def peak(value: float) -> str:
+        return Outcome.OVERTURNS.name if math.isinf(value) else ratio(value)
+
     median, largest = swept("median_rotation_ratio"), swept("largest_rotation_ratio")
     # A block at rest in all directions has no azimuth of the largest rotation.
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
@@ -106,7 +109,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         (
             Cell("  " + shortened(body.block, col.NAME_WIDTH)),
             col.COLUMNS["restitution"].cell(body.restitution),
-            *(number_cell(float(peaks[pair, lane]), _peak) for peaks in (median, largest)),
+            *(number_cell(float(peaks[pair, lane]), peak) for peaks in (median, largest)),
             number_cell(largest_at[pair, lane], _degrees),
             *(_smallest(answers, directions, pair, lane) if titles else ()),
             *(_fallen(share[pair, lane] * count, silent[pair, lane]) for share, silent in fallen),
@@ -165,10 +168,6 @@ def _pair_strength(pair: xr.Dataset) -> list[str]:
 
 def _fallen(overturn: float, unanswered: int) -> Cell:
     return Cell(f"{overturn:.0f}" + (f" +{unanswered}?" if unanswered else ""), overturn)
-
-
-def _peak(peak: float) -> str:
-    return Outcome.OVERTURNS.name if math.isinf(peak) else ratio(peak)
 
 
 def _degrees(azimuth: float) -> str:

@@ -11,15 +11,13 @@ from rockpulse.assessment.verdict import verdicts as found_verdicts
 from rockpulse.record.measures import STORED
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.row_selection import RowSelection, unknown
-from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.files_used import files_used, left_out, skipped_summary, unused
 from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitution, several, three_digits
-from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.table_columns import doubt, doubt_notes, marked_record, record_cells
-from rockpulse.views.shared.verdict_table import tie_table
+from rockpulse.views.shared.verdict_table import cautions, tie_table
 from rockpulse.views.text import verdicts
-from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import worst_cases
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 

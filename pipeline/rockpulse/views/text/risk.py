@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -23,12 +24,11 @@ ENDS = (0.05, 0.95)
 SIDES = ("below", "above", "far")
 
 
-def _rate(value: float) -> str:
-    return ABSENT if math.isnan(value) else f"{value:.2e}"
+def _shown(value: float, form: str) -> str:
+    return ABSENT if math.isnan(value) else f"{value:{form}}"
 
 
-def _chance(value: float) -> str:
-    return ABSENT if math.isnan(value) else f"{value:.2g}"
+_rate, _chance = partial(_shown, form=".2e"), partial(_shown, form=".2g")
 
 
 def _survival(value: float) -> str:

@@ -1,30 +1,32 @@
-"""A site file as text: the design spectrum, the design sequence, and the bodies under this sequence."""
+"""A site file as text (design spectrum and sequence, bodies under this sequence), and a selection of its records."""
 
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from rocking.body.block import Block
 from rockpulse.record.measures import MEASURES
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.sequences.rule import load_rule
-from rockpulse.views.shared.files_used import failure_rows, files_used
+from rockpulse.views.shared.files_used import failure_rows, files_used, rows_not_used, unused
 from rockpulse.views.shared.formatting import (
     ABSENT,
     between,
     paragraph,
     ratio,
     restitution,
+    several,
     share,
     six_digits,
     three_digits,
 )
-from rockpulse.views.shared.table import Cell, Table, number_cell, table_text
+from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.table_columns import OUTSIDE, Column, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
-from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Largest number of listed bodies and earthquakes.
 LISTED = 12
@@ -83,7 +85,7 @@ def sequence_words(site: xr.Dataset) -> str:
         return ""
     words = say(
         "site.sequence",
-        confidence=_percent(site, "confidence"),
+        confidence=share(_number(site, "confidence")),
         count=six_digits(_number(site, "main_count")),
         counts=_range(site, "main_count"),
         ratio=three_digits(_number(site, "ratio")),
@@ -225,10 +227,6 @@ def _number(site: xr.Dataset, name: str) -> float:
     return float(site[name])
 
 
-def _percent(site: xr.Dataset, name: str) -> str:
-    return share(_number(site, name))
-
-
 def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digits) -> str:
     return between(_number(one, f"{name}_lower"), _number(one, f"{name}_upper"), show)
 
@@ -242,3 +240,39 @@ def _warnings(site: xr.Dataset) -> str:
     title = f"records with warnings: {count} (all are stored in /site, variable warnings)"
     said = [paragraph(f"{words}: {listed(names, 3)}", "      ", "  ") for words, names in groups.items()]
     return "\n".join([title, *said[:LISTED]]) if groups else ""
+
+
+def selection_overview(tree: xr.DataTree) -> str:
+    """Return the tree of :func:`rockpulse.select` as text: the records, and the deviations of their mean spectrum."""
+    found = tree["selection"].to_dataset()
+    fit, events = found.attrs, found["event"].values
+    below, above = fit["tolerance"]
+    pairs = fit["components"] == "pairs"
+    records = several(found.sizes["record"] // (2 if pairs else 1), "pair" if pairs else "record")
+    headings = (Heading("record"), Heading("scale factor"), Heading("earthquake"))
+    rows = zip(found["record"].values, found["factor"].values, events, strict=True)
+    table = Table(
+        "selection",
+        f"{tree.attrs['title']}: {records} of {fit['candidates']}, "
+        f"{counted_words(len(set(events.tolist())), 'earthquake')}; target: {fit['target']}",
+        headings,
+        tuple((Cell(str(name)), number_cell(float(factor)), Cell(str(event))) for name, factor, event in rows),
+    )
+    periods = found["period"].values
+    deviations = (
+        f"Mean spectrum from {three_digits(periods[0])} to {three_digits(periods[-1])} s, deviation from the target: "
+        f"{_percent(fit['lowest'])} to {_percent(fit['highest'])}, mean {_percent(fit['mean_deviation'])}, mean of "
+        f"the absolute values {_percent(fit['mean_absolute_deviation'], '')}; "
+        f"{'within' if fit['compatible'] else 'NOT WITHIN'} the tolerance of {_percent(-below)} to {_percent(above)}"
+    )
+    unknown = "Some records state no earthquake; they are counted as one." if UNKNOWN in events else ""
+    return "\n\n".join(filter(None, (table_text(table), paragraph(deviations), unknown)))
+
+
+def selection_table(tree: xr.DataTree) -> pd.DataFrame:
+    """Return the columns record, factor and event, as read by `selection` in [fragility] and [[demand]]."""
+    return tree["selection"].to_dataset()[["factor", "event"]].to_dataframe().reset_index()
+
+
+def _percent(value: float, sign: str = "+") -> str:
+    return f"{100.0 * value:{sign}.1f} %"

@@ -13,18 +13,21 @@ from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
 from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened, three_digits
-from rockpulse.views.shared.notes import (
+from rockpulse.views.shared.record_facts import Known
+from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.verdict_table import (
     body_notes,
     counted_motions,
     factor_heading,
     factor_name,
     factor_notes,
+    of_unknown_event,
     stored_uncertainty,
+    verdict_columns,
+    verdict_legend,
     verdict_notes,
+    verdict_rows,
 )
-from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.table import Cell, Heading, Table, lines
-from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_columns, verdict_legend, verdict_rows
 
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")

@@ -14,7 +14,7 @@ from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.studies.check.code_spectra import spectrum_of
 from rockpulse.studies.selection import selection
 from rockpulse.studies.selection.selection import fitting_set, own_factors
-from rockpulse.views.text.selection import selection_overview, selection_table
+from rockpulse.views.text.site import selection_overview, selection_table
 
 TIME = np.arange(0.0, 6.0, 0.01)
 WIDE = {"factors": (0.01, 100.0), "records": 3, "tolerance": (0.9, 9.0)}

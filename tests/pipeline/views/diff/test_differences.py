@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from compared_trees import compare
-from results_tree import BLOCKS, RECORDS, results_tree
+from results_tree import RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5.results_file import open_results_file, save
@@ -61,18 +61,15 @@ def compare_files(tmp_path):
 
 
 def reordered(made, order):
-    """The same results with the records in another order, and everything that points at them."""
-    summary = made["summary"].to_dataset().isel(record=order)
-    place = np.argsort(order)
-    half = made["half_cycles"].to_dataset()
-    half = half.assign(record_index=("row", place[half["record_index"].values], half["record_index"].attrs))
-    half = half.isel(row=np.argsort(half["record_index"].values, kind="stable"))
-    records = made["records"].to_dataset()
-    ends = np.cumsum(records["half_wave_row_size"].values)
-    waves = np.concatenate([np.arange(ends[k] - records["half_wave_row_size"].values[k], ends[k]) for k in order])
-    records = records.isel(record=order, wave=waves)
-    for name, dataset in (("summary", summary), ("half_cycles", half), ("records", records)):
-        made[name] = xr.DataTree(dataset)
+    """The results of these records in another order, with everything that points at them."""
+    half, records = made["half_cycles"].to_dataset(), made["records"].to_dataset()
+    pointed, owner = half["record_index"].values, np.repeat(np.arange(3), records["half_wave_row_size"].values)
+    rows, waves = (np.concatenate([np.flatnonzero(of == k) for k in order]) for of in (pointed, owner))
+    half = half.isel(row=rows)
+    place = [order.index(k) for k in pointed[rows]]
+    made["summary"] = xr.DataTree(made["summary"].to_dataset().isel(record=order))
+    made["half_cycles"] = xr.DataTree(half.assign(record_index=("row", place, half["record_index"].attrs)))
+    made["records"] = xr.DataTree(records.isel(record=order, wave=waves))
     return made
 
 
@@ -161,9 +158,6 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     assert one == ((RECORDS[0], "column", "sequence"), "1.7", "0.98")
     assert other == ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf")
     assert text.index("Smallest scale factors (SF) that crossed 1") < text.index("Variables beyond")
-    found, text = compare(tree(), changed, listed=1)
-    assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
-    assert "and 1 more (--limit)" in text
 
 
 def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
@@ -177,26 +171,10 @@ def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
     assert [flip.place[2] for flip in found.sides[OUTCOME].named] == ["sequence", "resonance"]
 
 
-def without_a_record(made, gone):
-    """Results that were made without one of the records."""
-    kept = [k for k in range(3) if k != gone]
-    half = made["half_cycles"].to_dataset()
-    pointed = half["record_index"].values
-    half = half.isel(row=pointed != gone)
-    half = half.assign(record_index=half["record_index"] - (half["record_index"] > gone))
-    half["record_index"].attrs = made["half_cycles"]["record_index"].attrs
-    records = made["records"].to_dataset()
-    owner = np.repeat(np.arange(3), records["half_wave_row_size"].values)
-    made["summary"] = xr.DataTree(made["summary"].to_dataset().isel(record=kept))
-    made["half_cycles"] = xr.DataTree(half)
-    made["records"] = xr.DataTree(records.isel(record=kept, wave=owner != gone))
-    return made
-
-
 @pytest.mark.sweep
 @pytest.mark.parametrize("gone", [0, 2])
 def test_what_only_one_file_has_is_named_and_the_rest_compared(gone):
-    found, text = compare(tree(), without_a_record(tree(), gone))
+    found, text = compare(tree(), reordered(tree(), [k for k in range(3) if k != gone]))
     assert found.only == [OnlyIn("records", (RECORDS[gone],), ())]
     assert found.variables == []
     assert found.others == []
@@ -212,12 +190,7 @@ def test_blocks_variables_groups_and_failures_of_one_file():
     other["failures"] = xr.DataTree(other["failures"].to_dataset().isel(failure=[0, 1]))
     del other["records"]
     found, text = compare(other, tree())
-    assert found.only == [
-        OnlyIn("groups", (), ("records",)),
-        OnlyIn("variables of /summary", (), ("pgv_drift",)),
-        OnlyIn("blocks", (), (BLOCKS[2],)),
-        OnlyIn("failures", (), ("failed (read) cut.AT2: cut.AT2:4: expected 100 samples, found 3",)),
-    ] or {one.what for one in found.only} == {"groups", "variables of /summary", "blocks", "failures"}
+    assert {one.what for one in found.only} == {"groups", "variables of /summary", "blocks", "failures"}
     assert "blocks only in the second file: 1\n  + cabinet" in text
 
 

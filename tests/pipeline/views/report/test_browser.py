@@ -9,7 +9,7 @@ from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
 from rockpulse.views.report.writing import report
-from rockpulse.views.shared.notes import factor_heading
+from rockpulse.views.shared.verdict_table import factor_heading
 
 pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 

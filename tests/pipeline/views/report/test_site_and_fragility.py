@@ -11,7 +11,7 @@ from site_spectra import BLOCKS, usual_site
 from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
-from rockpulse import CalibrationSettings, ConditioningSettings, ModelSettings, SearchSettings, UncertaintySettings
+from rockpulse import ConditioningSettings, ModelSettings, SearchSettings, UncertaintySettings
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
 from rockpulse.storage.variables import failure_table
@@ -143,15 +143,6 @@ def test_other_settings_another_gravity_and_another_equation_are_reported(result
     assert curves_of(results, rp.fragility(bursts, linear, bodies)).warnings == (
         "The curves are computed with the linear equation of motion, the verdict with the nonlinear model.",
     )
-
-
-@pytest.mark.sweep
-def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
-    part = rp.assess(bursts[:1], CURVES, bodies)
-    others = rp.calibrate(bursts[1:], rp.Config(calibration=CalibrationSettings(bootstrap=100)), bodies)
-    words = "The calibration and its design use other ground motions than the verdict"
-    assert site_of(part, others).warnings[0].startswith(words)
-    assert not any(words in warning for warning in site_of(results, site).warnings)
 
 
 @pytest.mark.sweep

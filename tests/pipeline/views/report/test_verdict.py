@@ -27,7 +27,6 @@ from rockpulse.views.report.verdict import (
     priorities,
     sentence,
 )
-from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.table_columns import grade_cell
 from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_legend
 
@@ -164,28 +163,13 @@ def test_under_a_design_sequence_there_is_no_probability():
     assert "This does not prove safety" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
-    for factors, outcome, words in (
-        (
-            [0.9],
-            Outcome.OVERTURNS,
-            "The design sequence, or a weaker one, overturns it; smallest scale factor on its main",
-        ),
-        ([math.nan], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
-        ([math.nan], Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
+    for factor, outcome, words in (
+        (0.9, Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it; smallest scale factor on its"),
+        (math.nan, Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
+        (math.nan, Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
     ):
-        summary = summary_of(factors, outcomes=[outcome])
+        summary = summary_of([factor], outcomes=[outcome])
         assert sentence(answers(summary, of), verdict(summary, of)).startswith(words)
-
-
-def test_a_direction_that_overturns_is_told_though_another_is_missing():
-    """Its smallest factor may be smaller still, so that the median is that of the others."""
-    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
-    summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
-    found = verdict(summary, of)
-    at_demand = found.demands[0].margin
-    assert (found.deciding.governing, at_demand.smallest, at_demand.open) == (0, 0.8, True)
-    shown = headed(answers(summary, of), found)
-    assert (shown["capacity/ demand"], shown["share"]) == ("≤0.80", "0.50")
 
 
 def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lifts_stays():
@@ -234,12 +218,7 @@ def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
     assert basis(answers(probable([0.1, 0.2])), "") == "By the nonlinear model, under 2 records of 2 earthquakes."
     words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
     assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
-    assert (
-        "each by one scale factor, a pair by the geometric mean of both components; scale factors outside 0.25 to 4"
-        in words
-    )
-    words = counted_by(answers(summary_of([2.0])))
-    assert words.startswith("The share of earthquakes")
+    assert counted_by(answers(summary_of([2.0]))).startswith("The share of earthquakes")
 
 
 def test_a_body_is_drawn_with_its_first_pedestal_and_with_both():
@@ -252,13 +231,6 @@ def test_a_body_is_drawn_with_its_first_pedestal_and_with_both():
     names = np.array(["", wall, wall], dtype=object)
     tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
     assert [one.svg.count('class="pedestal"') for one in body_drawings(tree)] == [2, 1, 0]
-
-
-def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():
-    tree = results_tree()
-    summary = tree["summary"].to_dataset()
-    names = np.full(summary.sizes["block"], "", dtype=object)
-    names[0] = "nobody"
-    tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
+    tree["summary"]["pedestal_of"].values[0] = "nobody"
     with pytest.raises(ResultsError, match="/summary/pedestal_of: expected the name of a body, found 'nobody'"):
-        report_page(tree)
+        body_drawings(tree)

@@ -6,7 +6,6 @@ import html
 import re
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
 import xarray as xr
 from results_tree import results_tree
@@ -238,17 +237,3 @@ def test_the_files_are_named_with_their_hashes(tmp_path):
     page = report_page(path, full=True)
     assert hashlib.sha256(path.read_bytes()).hexdigest() in page
     assert html.escape(str(path)) in page
-
-
-@pytest.mark.sweep
-def test_a_record_is_told_in_words_with_what_its_file_states():
-    tree = results_tree()
-    stated = {"magnitude": [7.1, 7.1, np.nan], "vs30": [391.0, np.nan, np.nan]}
-    known = tree["summary"].to_dataset().assign({name: ("record", values) for name, values in stated.items()})
-    tree["summary"] = xr.DataTree(known)
-    page = report_page(tree)
-    assert '<span class="brief">Ridgecrest 2019-07-06, CCC, E-W, M 7.1</span>' in page
-    words = Page(page).text
-    assert "Vs30 391 m/s" in words
-    assert words.count("Vs30") == 1
-    assert not re.search(r"\bnan\b", words)

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from report_cases import answers, motions, probable, summary_of
+from report_cases import answers, motions, summary_of
 
 import rockpulse
 from rocking.response import Outcome
@@ -68,18 +68,6 @@ def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
     assert (plain.marked, {mark.note for mark in plain.marks}) == ("≤0.40!", {""})
     (margin,) = answers(summary_of([math.inf] * 4), of).margins()
     assert col.margin_cells(margin)[0].marked == ">10"
-
-
-def test_columns_of_probability_stand_in_place_of_those_of_safety_factors():
-    of = answers(probable([0.0, 0.0004, 0.412], factor_10=[math.inf, 2.0, math.nan]))
-    selected = col.factor_columns(of)
-    assert [heading.title for heading in col.headed(selected)] == [
-        "P",
-        "scale factor at P\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}10\N{NO-BREAK SPACE}%",
-    ]
-    assert shown(of, *(one.name for one in selected)) == [["0", ">10"], ["<0.001", "2.00"], ["0.41", "-"]]
-    assert [one.name for one in col.factor_columns(answers(summary_of([2.0])))] == ["safety_factor"]
-    assert col.factor_columns(answers(summary_of([math.nan]))) == ()
 
 
 def signs(pga, codes):

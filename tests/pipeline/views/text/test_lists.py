@@ -6,11 +6,8 @@ import xarray as xr
 from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.errors import Failure
 from rockpulse.storage.export.row_selection import Condition, RowSelection
-from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
-from rockpulse.views.text.left_out import left_out
 from rockpulse.views.text.lists import block_list, case_list, record_list, worst_cases
 from rockpulse.views.text.overview import block_details, overview, record_details
 
@@ -193,16 +190,6 @@ def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):
     assert overviews.is_large(Answers(summary))
 
 
-def test_capacities_are_compared_with_demands_in_a_large_overview_as_well(tree):
-    summary = tree["summary"].to_dataset()
-    summary = demanding(summary, {"collapse": 2.5})
-    summary["capacity_ratio"] = summary["capacity_pga"].expand_dims(demand=1, axis=-1) / 2.5
-    tree["summary"] = xr.DataTree(summary)
-    text = overview(many(tree), whole=True)
-    assert "Capacity (scale factor that overturns x strength, nonlinear model) over demand" in text
-    assert "collapse (PGA 2.5 m/s2)" in text
-
-
 def test_a_record_with_few_blocks_is_shown_whole_and_a_block_under_many_records_by_its_worst(tree):
     summary = many(tree, 80)["summary"].to_dataset()
     assert "SF: smallest scale factor" in record_details(summary, f"{RECORDS[0]}~7")
@@ -210,18 +197,6 @@ def test_a_record_with_few_blocks_is_shown_whole_and_a_block_under_many_records_
     assert len(text.splitlines()) < 50
     assert "240 verdicts by the nonlinear model: 80 at rest, 160 rocks, 0 overturns, 0 unresolved" in text
     assert "240 cases with model nonlinear, smallest safety_factor first; 20 shown" in text
-
-
-def test_what_was_left_out_is_brief_where_asked_for(tree):
-    names = [f"n{number}" for number in range(30)]
-    rows = [Failure(name, "read", f"{name}: expected 100 samples, found {name}", "failed") for name in names]
-    rows += [Failure(name, "read", f"{name}: velocity {name}", "skipped") for name in names[:9]]
-    tree["failures"] = xr.DataTree(failure_table(rows))
-    assert left_out(tree).count("expected 100 samples") == 30
-    brief = left_out(tree, brief=True)
-    assert brief.count("expected 100 samples") == 12
-    assert brief.count(": velocity") == 3
-    assert "and 18 more" in brief
 
 
 def test_magnitude_and_distance_have_a_column_where_a_record_states_them(summary):
