@@ -16,10 +16,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError, UnitError
 from rockpulse.readers import FORMATS, Format, ReadOptions
+from rockpulse.readers.kit.channel import build_record
+from rockpulse.readers.kit.direction import Direction
+from rockpulse.readers.kit.instrument_response import ConvertedCounts, from_counts
 from rockpulse.readers.kit.obspy_bridge import codes_of, utc_time
-from rockpulse.readers.kit.text import unexpected
+from rockpulse.readers.kit.text import UNITS, canonical_unit, unexpected
 from rockpulse.readers.source import HEAD, SourceFile, open_source, open_stream
 from rockpulse.record.record import Orientation, Record, record_id
 
@@ -31,8 +34,9 @@ _CODES = ("network", "station", "location", "channel")
 #: Fields stored in ``stats.rockpulse``: all fields of a Record that a Trace lacks.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are not an acceleration in the same unit.
-_CHANGES_UNIT = {"integrate", "differentiate", "normalize", "simulate", "trigger", "remove_response"}
-_CHANGES_UNIT |= {"remove_sensitivity"}
+_CHANGES_UNIT = {
+    *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
+}
 #: Largest relative difference between the intervals of a Trace, which stores the rate, and of its record.
 _SAME_STEP = 1e-12
 #: Formats that are read only if requested by name, as any text file of numbers would be recognised.
@@ -72,76 +76,164 @@ def to_trace(record: Record) -> obspy.Trace:
     return obspy.Trace(np.array(record.acceleration), header)
 
 
-def from_trace(trace: obspy.Trace) -> Record:
-    """Return the record of an `obspy.Trace` from `to_trace`, or from ``obspy.read`` through rockpulse.
+def from_trace(
+    trace: obspy.Trace,
+    units: str | None = None,
+    factor: float | None = None,
+    response: str = "sensitivity",
+    azimuth: float | None = None,
+) -> Record:
+    """Return a record made from an `obspy.Trace`.
 
     Parameters
     ----------
     trace : obspy.Trace
-        The trace, which may have been filtered, cut or processed in other ways that do not change the unit.
+        A trace from `to_trace`, or from ``obspy.read`` through rockpulse, needs no other argument, even after filters;
+        any other trace needs `units`.
+    units : str, optional
+        Unit of the data: a key of `rockpulse.readers.UNITS`, or "counts".
+    factor : float, optional
+        m/s2 per count; without it, counts need ``trace.stats.response`` (``trace.attach_response(inventory)``).
+    response : {"sensitivity", "remove"}
+        How an attached response is used; see `rockpulse.readers.ReadOptions`.
+    azimuth : float, optional
+        Direction of a horizontal trace, clockwise from north [degrees]; needed after ``Stream.rotate``, which does not
+        store it. A rotation that does not change the channel codes cannot be detected: give the azimuth.
 
     Returns
     -------
     Record
         The record in m/s2, with the steps in ``stats.processing`` appended to its processing. The id in
         ``stats.rockpulse`` is kept unless the codes have changed: it is then made from the new codes, with a warning,
-        and after a change of the channel code, as by ``Stream.rotate``, the direction is unknown.
+        and after a change of the channel code the direction is unknown unless `azimuth` is given.
 
     Raises
     ------
     UnitError
-        If the unit is unknown, as there is no ``stats.rockpulse``, or has changed (after an integration).
+        If the unit is missing or unknown, contradicts ``stats.rockpulse``, or has changed (after an integration).
     RecordRefused
-        For masked samples, or ``stats.calib`` other than 1, which may mean any unit and is never applied.
+        For masked samples, counts without a gain, or ``stats.calib`` other than 1, which in obspy may mean nm, nm/s or
+        any other unit per count and is never applied; it is ignored if `factor` is given.
     RecordFormatError
-        For fewer than two samples, samples that are not finite, or fields missing in ``stats.rockpulse``.
+        For fewer than two samples, or samples that are not finite.
+    ConfigError
+        If `azimuth` is not finite.
 
     Examples
     --------
     >>> from_trace(to_trace(record)).azimuth
     0.0
     """
-    where, stats = f"trace {trace.id}", trace.stats
+    where = f"trace {trace.id}"
+    if azimuth is not None and not np.isfinite(azimuth):
+        raise ConfigError(f"{where}: expected an azimuth in degrees, found {azimuth!r}; leave it out if it is unknown")
+    stats = trace.stats
     if np.ma.is_masked(trace.data):
         advice = "split the trace (trace.split()) and take one part"
         raise RecordRefused(f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); {advice}")
-    if stats.calib != 1.0:
-        advice = "multiply the data yourself and set it to 1"
-        raise RecordRefused(f"{where}: stats.calib is {stats.calib:g}, and obspy states no unit for it; {advice}")
-    steps = tuple(map(str, stats.get("processing", ())))
+    if stats.calib != 1.0 and factor is None:
+        raise RecordRefused(
+            f"{where}: stats.calib is {stats.calib:g}, and obspy states no unit for it; multiply the data yourself and "
+            "set it to 1, or give units='counts' and the factor in m/s2 per count"
+        )
     # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".
-    changed = [step for step in steps if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
-    kept, advice = stats.get("rockpulse"), "make a rockpulse.Record from its data in m/s2"
-    if changed:
-        raise UnitError(f"{where}: the processing of the trace changed the unit of its values: {changed[0]}; {advice}")
+    changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
+    if changed and (units is None or units == "counts"):
+        asked = f"say which unit of acceleration they have, one of {', '.join(UNITS)}"
+        raise UnitError(f"{where}: the processing of the trace changed the unit of its values: {changed[0]}; {asked}")
+    kept = stats.get("rockpulse")
     if kept is None:
-        raise UnitError(f"{where}: a trace without stats.rockpulse does not state the unit of its data; {advice}")
-    required = [field.name for field in _KEPT if field.default is MISSING] + ["start_time_known", "codes"]
-    missing = [name for name in required if name not in kept]
+        ReadOptions(response=response)  # rejects an unknown value of `response`
+        return _new(where, trace, units, factor, response, azimuth)
+    known = units is None or (units != "counts" and UNITS[canonical_unit(units, "option units")] == 1.0)
+    if not known or factor is not None:
+        raise UnitError(f"{where}: stats.rockpulse says m/s2; give no units and no factor, or delete stats.rockpulse")
+    return _restored(where, trace, kept, azimuth)
+
+
+def _steps(stats: Any) -> tuple[str, ...]:
+    return tuple(map(str, stats.get("processing", ())))
+
+
+def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Record:
+    """Return the record that `to_trace` stored in a trace, with the later processing of the trace."""
+    missing = [field.name for field in _KEPT if field.default is MISSING and field.name not in kept]
     if missing:
-        expected = f"{', '.join(missing)} in stats.rockpulse"
+        expected, advice = f"{', '.join(missing)} in stats.rockpulse", "delete stats.rockpulse and give the units"
         raise unexpected(where, expected, ", ".join(sorted(kept)) or "nothing", advice)
+    stats = trace.stats
     values = {field.name: kept[field.name] for field in _KEPT if field.name in kept}
     same = abs(stats.delta - values["dt"]) <= _SAME_STEP * values["dt"]
     values["dt"] = values["dt"] if same else float(stats.delta)
     values["warnings"] = tuple(values.get("warnings", ()))
-    values["processing"] = (*values.get("processing", ()), *steps)
-    start = utc_time(SourceFile(where, b"", bytes), stats.starttime) if kept["start_time_known"] else None
-    record = Record(acceleration=np.ma.getdata(trace.data), start_time=start, **codes_of(stats), **values)
-    return record if dict(kept["codes"]) == codes_of(stats) else _renamed(record, kept["codes"])
+    values["processing"] = (*values.get("processing", ()), *_steps(stats))
+    start = utc_time(SourceFile(where, b"", bytes), stats.starttime) if kept.get("start_time_known", True) else None
+    codes = codes_of(stats)
+    record = Record(acceleration=np.ma.getdata(trace.data), start_time=start, **codes, **values)
+    codes_before = kept.get("codes")
+    if codes_before is None or dict(codes_before) != codes:
+        record = _renamed(record, codes_before, azimuth is None)
+    if azimuth is None or azimuth % 360.0 == record.azimuth:
+        return record
+    orientation: Orientation = "structural" if record.orientation == "structural" else "horizontal"
+    return replace(record, azimuth=azimuth % 360.0, orientation=orientation, component="")
 
 
-def _renamed(record: Record, before: dict[str, str]) -> Record:
+def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
     """Return the record with an id from its new codes, and a warning; a new channel has no known direction."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
-    note = f"the codes were {'.'.join(before[code] for code in _CODES)} when the trace was made; a new id was made"
-    if before["channel"] == record.channel:
+    old = "unknown" if before is None else ".".join(before[code] for code in _CODES)
+    note = f"the codes were {old} when the trace was made; a new id was made"
+    if before is not None and before["channel"] == record.channel:
         return record.with_warning(note)
     orientation: Orientation = "structural" if record.orientation == "structural" else "unknown"
     record = replace(record, component="", orientation=orientation, azimuth=float("nan"))
-    return record.with_warning(f"{note} and the direction is no longer known")
+    return record.with_warning(note + (" and the direction is no longer known" if undirected else ""))
+
+
+def _new(
+    where: str, trace: Any, units: str | None, factor: float | None, response: str, azimuth: float | None
+) -> Record:
+    """Return a new record from a trace that was not made by `to_trace`."""
+    stats = trace.stats
+    if units is None:
+        raise UnitError(
+            f"{where}: a trace does not state the unit of its data; give units, one of {', '.join(UNITS)}, or counts "
+            "with a factor in m/s2 per count or a response attached to the trace"
+        )
+    file = SourceFile(where, b"", bytes)
+    samples = np.asarray(np.ma.getdata(trace.data), dtype=float)
+    found = ConvertedCounts(samples, factor, (), ())
+    if units == "counts":
+        if factor is None and stats.get("response") is None:
+            raise RecordRefused(
+                f"{where}: counts without a gain; give the factor in m/s2 per count, or attach the station's response "
+                "(trace.attach_response(inventory))"
+            )
+        if factor is None:
+            found = from_counts(where, samples, float(stats.delta), stats.response, response)
+        if found.factor is None or not np.isfinite(found.factor) or found.factor == 0.0:
+            raise UnitError(f"{where}: expected a factor in m/s2 per count other than 0, found {found.factor!r}")
+    elif factor is not None:
+        raise UnitError(f"{where}: a factor belongs to units='counts', found units={units!r}; give one of the two")
+    record = build_record(
+        file,
+        found.samples,
+        float(stats.delta),
+        units if units == "counts" else canonical_unit(units, "option units"),
+        factor=found.factor,
+        format="obspy",
+        processed=None,
+        component=stats.channel,
+        facing=None if azimuth is None else Direction("horizontal", azimuth % 360.0),
+        **codes_of(stats),
+        start_time=None if stats.starttime.timestamp == 0.0 else utc_time(file, stats.starttime),
+        warnings=found.warnings,
+        processing=[*_steps(stats), *found.processing],
+    )
+    return replace(record, source="", source_sha256="")
 
 
 @lru_cache(maxsize=1)

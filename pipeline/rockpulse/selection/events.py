@@ -9,8 +9,6 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from datetime import datetime, timedelta
 from itertools import chain, combinations, pairwise
 
-import numpy as np
-
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
@@ -222,9 +220,6 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     agencies number one earthquake differently. If A and B, and B and C are put together, A and C are in the same group.
     Records that state neither a title nor a time count as one earthquake.
     """
-    from scipy.sparse import coo_array  # imported late, as its import is slow
-    from scipy.sparse.csgraph import connected_components
-
     named = dict(named or {})
     ids = [record.id for record in records]
     if unknown := sorted(set(named) - set(ids)):
@@ -235,15 +230,23 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     if empty := sorted(name for name, label in named.items() if not label.strip()):
         raise ConfigError(f"events: expected the name of an earthquake for {', '.join(empty[:5])}, found an empty text")
     free = [index for index, record in enumerate(records) if record.id not in named]
-    pairs = np.array([*pairs_of_one_event(records, free)], dtype=int).reshape(-1, 2).T
-    graph = coo_array((np.ones(pairs.shape[1]), pairs), shape=(len(ids), len(ids)))
-    group = connected_components(graph, directed=False)[1].tolist()
+    parent = {index: index for index in free}
+
+    def root(index: int) -> int:
+        while parent[index] != index:
+            parent[index] = parent[parent[index]]
+            index = parent[index]
+        return index
+
+    for one, other in pairs_of_one_event(records, free):
+        first, second = sorted((root(one), root(other)))
+        parent[second] = first
     grouped: dict[int, list[Record]] = defaultdict(list)
     for index in free:
-        grouped[group[index]].append(records[index])
+        grouped[root(index)].append(records[index])
     known = {top: of for top, of in grouped.items() if any(name_of(one.event) or moment_of(one) for one in of)}
     titles = dict.fromkeys(grouped, UNKNOWN) | _distinct(known)
-    return [named[record.id] if record.id in named else titles[group[index]] for index, record in enumerate(records)]
+    return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
 
 def event_table(config: Config) -> dict[str, str]:

@@ -15,7 +15,7 @@ from rockpulse.readers import FORMATS as READERS
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.format import FileSettings, ReadOptions
-from rockpulse.readers.source import HEAD
+from rockpulse.readers.source import HEAD, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -242,6 +242,15 @@ def test_a_sample_gives_back_the_channel_to_the_written_digits(path, channels):
 def test_only_one_detector_claims_a_sample(path):
     claims = [row.name for row in READERS if row.detect(path.read_bytes()[:HEAD], path.name)]
     assert claims == [read(path, **read_options().get(path.name, {}))[0].format]
+
+
+@pytest.mark.parametrize("row", READERS, ids=lambda row: row.name)
+def test_a_reader_that_is_named_refuses_a_file_of_another_format(row):
+    for content in (b"no record\n", b"no record\n" * 100, bytes(1000)):
+        with pytest.raises(RockpulseError, match=r"no_record\.txt") as refusal:
+            row.read(SourceFile("no_record.txt", content[:HEAD], lambda content=content: content), ReadOptions())
+        if row.name in ("dyna", "sac", "smc"):
+            assert f"is it a{'n' * (row.name == 'smc')} {row.name.upper()} file?" in str(refusal.value)
 
 
 def test_no_detector_claims_a_text_of_the_project():

@@ -3,6 +3,8 @@
 import gzip
 import io
 import pickle
+import subprocess
+import sys
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 from importlib.metadata import distribution
@@ -13,13 +15,15 @@ import obspy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from obspy.core.inventory.response import InstrumentSensitivity, Response
 from record_writers import at2, csmip_equal, pulse
 
 import rockpulse as rp
-from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS
 from rockpulse.readers.obspy_plugin import PLUGINS
-from rockpulse.record.record import Record
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.warning_text import WarningText, code_of
 
 TEXT = st.text(max_size=12)
@@ -61,6 +65,7 @@ def test_the_way_there_and_back_keeps_every_field(record):
     trace = rp.to_trace(record)
     assert same(rp.from_trace(trace), record)
     assert same(rp.from_trace(pickle.loads(pickle.dumps(trace))), record)
+    assert same(rp.from_trace(trace, units="m/s/s"), record)
 
 
 def test_warnings_come_back_with_their_codes():
@@ -71,6 +76,11 @@ def test_warnings_come_back_with_their_codes():
         assert back == ("another", warning)
         assert [code_of(text) for text in back] == ["plain", "of_vertical/clipped"]
         assert back[1].values["warning"].values == {"count": 7, "end": "smallest"}
+
+
+def plain(samples=(0.0, 1.0, -2.0, 0.5), **stats):
+    header = {"network": "XX", "station": "ABC", "channel": "HNE", "sampling_rate": 100.0}
+    return obspy.Trace(np.array(samples), {**header, "starttime": obspy.UTCDateTime(2020, 1, 2, 3, 4, 5), **stats})
 
 
 @pytest.fixture
@@ -116,13 +126,15 @@ def test_an_interval_that_obspy_keeps_as_a_rate_is_that_of_the_record_and_a_chan
         assert rp.from_trace(trace).dt == trace.stats.delta
 
 
-def test_an_integrated_trace_and_one_of_others_are_no_accelerations(record):
+def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record):
     trace = rp.to_trace(record)
     trace.integrate()
     with pytest.raises(UnitError, match=r"changed the unit of its values: ObsPy .*integrate"):
         rp.from_trace(trace)
-    with pytest.raises(UnitError, match=r"a trace without stats.rockpulse .* make a rockpulse.Record from its data"):
-        rp.from_trace(obspy.Trace(np.ones(4)))
+    trace.differentiate()
+    back = rp.from_trace(trace, units="m/s2")
+    assert [step.partition("(")[0].split()[-1] for step in back.processing[1:]] == ["integrate", "differentiate"]
+    assert back.azimuth == 90.0
 
 
 NORTH = Record([0.1, -0.2, 0.3], 0.01, "CI.CLC..HNN", "CI", "CLC", "", "HNN", "360 Deg", "horizontal", 0.0)
@@ -138,10 +150,13 @@ def test_a_rotated_trace_has_no_direction_until_one_is_given():
         assert back.id != before.id
         assert f"the codes were {before.id} when the trace was made" in back.warnings[-1]
         assert "the direction is no longer known" in back.warnings[-1]
+    given = rp.from_trace(stream[0], azimuth=-150.0)
+    assert (given.orientation, given.azimuth, given.component) == ("horizontal", 210.0, "")
+    assert not any("direction" in warning for warning in given.warnings)
     # The radial axis points away from the source: by hand, in the direction of 210 degrees.
     turned = np.deg2rad(210.0)
     by_hand = NORTH.acceleration * np.cos(turned) + EAST.acceleration * np.sin(turned)
-    assert radial.acceleration == pytest.approx(by_hand, abs=1e-12)
+    assert given.acceleration == pytest.approx(by_hand, abs=1e-12)
 
 
 def test_a_new_station_code_makes_a_new_id_and_keeps_the_direction():
@@ -153,38 +168,105 @@ def test_a_new_station_code_makes_a_new_id_and_keeps_the_direction():
 
 
 def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
-    for source, name in (("", "Town_Hall.1"), ("a.zip!b/c.AT2", "c.1")):
-        trace = rp.to_trace(replace(record, station_name="Town Hall", source=source))
-        trace.stats.channel = ""
-        assert rp.from_trace(trace).id == name
+    trace = rp.to_trace(replace(record, station_name="Town Hall"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "Town_Hall.1"
+    trace = rp.to_trace(replace(record, station_name="Town Hall", source="a.zip!b/c.AT2"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "c.1"
+    del trace.stats.rockpulse["codes"]
+    back = rp.from_trace(trace, azimuth=370.0)
+    assert back.warnings[-1] == "the codes were unknown when the trace was made; a new id was made"
+    assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
+
+
+def test_a_trace_that_does_not_say_whether_its_start_time_is_known_has_it():
+    start = datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)
+    trace = rp.to_trace(replace(EAST, start_time=start))
+    del trace.stats.rockpulse["start_time_known"]
+    assert rp.from_trace(trace).start_time == start
 
 
 def test_a_channel_on_a_structure_stays_on_it():
     trace = rp.to_trace(replace(EAST, orientation="structural"))
     trace.stats.channel = "HNT"
     assert rp.from_trace(trace).orientation == "structural"
+    given = rp.from_trace(trace, azimuth=300.0)
+    assert (given.orientation, given.azimuth) == ("structural", 300.0)
+
+
+def test_an_azimuth_of_the_caller_is_that_of_the_record():
+    for azimuth in (90.0, 450.0):
+        assert rp.from_trace(rp.to_trace(EAST), azimuth=azimuth).component == "90 Deg"
+    assert rp.from_trace(rp.to_trace(EAST), azimuth=93.0).azimuth == 93.0
+    record = rp.from_trace(plain(), units="g", azimuth=450.0)
+    assert (record.orientation, record.azimuth) == ("horizontal", 90.0)
+    with pytest.raises(ConfigError, match="expected an azimuth in degrees, found nan"):
+        rp.from_trace(plain(), units="g", azimuth=float("nan"))
+
+
+def test_a_unit_that_contradicts_the_trace_is_refused(record):
+    with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
+        rp.from_trace(rp.to_trace(record), units="g")
+    with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
+        rp.from_trace(rp.to_trace(record), units="counts", factor=2.0)
 
 
 def test_stats_that_were_tampered_with_are_named(record):
     trace = rp.to_trace(record)
     trace.stats.rockpulse = {"azimuth": 3.0}
-    with pytest.raises(RecordFormatError, match=r"expected dt, id, .*codes in stats.rockpulse, found azimuth"):
+    with pytest.raises(RecordFormatError, match=r"expected dt, id in stats.rockpulse, found azimuth"):
         rp.from_trace(trace)
-    trace.stats.calib = 2.0
+
+
+def test_a_trace_of_others_needs_a_unit():
+    with pytest.raises(UnitError, match="does not state the unit"):
+        rp.from_trace(plain())
+    with pytest.raises(UnitError, match="unknown unit"):
+        rp.from_trace(plain(), units="stone")
+    record = rp.from_trace(plain(), units="g")
+    assert record.pga == 2.0 * STANDARD_GRAVITY
+    assert (record.id, record.azimuth, record.dt) == ("XX.ABC..HNE@20200102T030405", 90.0, 0.01)
+    assert (record.source, record.source_sha256, record.format, record.processed) == ("", "", "obspy", None)
+    undated = rp.from_trace(plain(starttime=obspy.UTCDateTime(0)), units="g")
+    assert (undated.start_time, undated.warnings) == (None, ())
+    assert rp.from_trace(obspy.Trace(np.array([0.0, 1.0])), units="g").id.endswith(".1")
+
+
+def sensitivity(value=200.0, unit="M/S**2"):
+    return Response(instrument_sensitivity=InstrumentSensitivity(value, 1.0, input_units=unit, output_units="COUNTS"))
+
+
+def test_counts_need_a_gain():
+    with pytest.raises(RecordRefused, match="counts without a gain"):
+        rp.from_trace(plain(), units="counts")
+    assert rp.from_trace(plain(), units="counts", factor=0.5).pga == 1.0
+    assert rp.from_trace(plain(response=sensitivity()), units="counts").pga == 0.01
+    with pytest.raises(NotAcceleration, match="records M/S"):
+        rp.from_trace(plain(response=sensitivity(unit="M/S")), units="counts")
+    with pytest.raises(RecordRefused, match="no stages"):
+        rp.from_trace(plain(response=sensitivity()), units="counts", response="remove")
+    with pytest.raises(UnitError, match=r"other than 0, found 0\.0"):
+        rp.from_trace(plain(), units="counts", factor=0.0)
+    with pytest.raises(UnitError, match="a factor belongs to units='counts'"):
+        rp.from_trace(plain(), units="g", factor=2.0)
+
+
+def test_calib_is_never_applied():
     with pytest.raises(RecordRefused, match=r"stats.calib is 2"):
-        rp.from_trace(trace)
+        rp.from_trace(plain(calib=2.0), units="g")
+    assert rp.from_trace(plain(calib=2.0), units="counts", factor=1.0).pga == 2.0
 
 
-def test_gaps_and_bad_samples_are_refused(record):
-    trace = rp.to_trace(record)
-    for samples, error, words in (
-        (np.ma.masked_greater(record.acceleration, 0.2), RecordRefused, "1 samples are masked"),
-        (np.array([0.0, np.nan, 1.0]), RecordFormatError, "NaN or infinite"),
-        (np.array([]), RecordFormatError, "at least 2 samples"),
-    ):
-        trace.data = samples
-        with pytest.raises(error, match=words):
-            rp.from_trace(trace)
+def test_gaps_and_bad_samples_are_refused():
+    masked = plain()
+    masked.data = np.ma.masked_greater(masked.data, 0.9)
+    with pytest.raises(RecordRefused, match="1 samples are masked"):
+        rp.from_trace(masked, units="g")
+    with pytest.raises(RecordFormatError, match="NaN or infinite"):
+        rp.from_trace(plain([0.0, np.nan, 1.0]), units="g")
+    with pytest.raises(RecordFormatError, match="at least 2 samples, found 0"):
+        rp.from_trace(plain([]), units="counts", factor=1.0)
 
 
 GROUP = "obspy.plugin.waveform"
@@ -207,6 +289,13 @@ def test_the_entry_points_name_what_is_there(name):
     assert set(points) == {"isFormat", "readFormat"}
     assert points["isFormat"].load() == PLUGINS[name].is_format
     assert points["readFormat"].load() == PLUGINS[name].read_format
+
+
+def test_an_unknown_name_is_no_attribute():
+    from rockpulse.readers import obspy_plugin
+
+    with pytest.raises(AttributeError, match="NOSUCH"):
+        _ = obspy_plugin.NOSUCH
 
 
 @pytest.mark.sweep
@@ -299,3 +388,15 @@ def test_the_wrong_format_and_what_cannot_be_read_are_errors(path, tmp_path):
     damaged.write_bytes(csmip_equal(np.round(pulse(160), 6))[:-400])
     with pytest.raises(RecordFormatError, match=r"b.v1:\d+: "):
         obspy.read(damaged)
+
+
+@pytest.mark.sweep
+def test_reading_through_obspy_loads_neither_numba_nor_xarray(path):
+    code = (
+        "import sys; from rockpulse.readers.obspy_plugin import AT2; "
+        "first = [name for name in ('obspy', 'pandas', 'scipy') if name in sys.modules]; "
+        f"assert AT2.is_format({str(path)!r}); AT2.read_format({str(path)!r}); "
+        "print(first, [name for name in ('numba', 'xarray', 'h5py', 'pandas') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[] []"

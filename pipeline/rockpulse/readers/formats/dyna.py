@@ -87,7 +87,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         raise kit.no_acceleration(header.where("DATA_TYPE"), "'DATA_TYPE: ACCELERATION'", repr(kind))
     unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
     step = float(header.positive("SAMPLING_INTERVAL_S", _DECIMAL, "a sampling interval in s above 0"))
-    first, declared = header.end, int(header.positive("NDATA", _COUNT, "the number of samples"))
+    first, declared = header.end, int(header.positive("NDATA", _COUNT, "a number of samples above 0"))
     kit.check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
     samples = kit.free_numbers(lines[first : first + declared], first + 1, file.name)
     if samples.size != declared:
@@ -143,9 +143,11 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
-    """Return the header and warnings; raise an error if an essential key has two values."""
+    """Return the header and warnings; raise an error if the title is missing or an essential key has two values."""
     start = _title(lines)
-    assert start is not None
+    if start is None:
+        expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
+        raise kit.unexpected(f"{name}:1", expected, repr(lines[0][:40]), "is it a DYNA file?")
     keys, end = _keys(lines, start)
     before, unknown = _before(lines[:start])
     header = _Header(name, end)

@@ -60,7 +60,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
-    title = _TITLE.match(text[0])
+    title = _TITLE.match(" ".join(text[0].split()))  # a repeated title may have other spaces
     assert title is not None
     integers = kit.fixed_width(lines[integer_line:], integer_line + 1, _WIDTH, _PER_ROW, 40, file.name)
     # Only the third row of floating-point values is needed.

@@ -204,7 +204,8 @@ def _byte_order(head: bytes) -> str | None:
 def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the only channel of a SAC file; `options.units` is required, as the header does not state the unit."""
     order = _byte_order(file.head)
-    assert order is not None
+    if order is None:
+        raise kit.unexpected(file.name, "a SAC header of version 6 or 7", "none", "is it a SAC file?")
     declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
     available = (len(file.content) - _SAC_HEADER) // 4
     if not 1 <= declared <= available:

@@ -43,7 +43,9 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the only channel of the file; raise kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     title = _TITLE.match(lines[0])
-    assert title is not None
+    if title is None:
+        expected = "the kind of series, '2 CORRECTED ACCELEROGRAM' and the like"
+        raise kit.unexpected(f"{file.name}:1", expected, repr(lines[0][:40]), "is it an SMC file?")
     kind = title[1]
     if kind not in "12":
         found = f"type {kind}, {title[2].lower()}"

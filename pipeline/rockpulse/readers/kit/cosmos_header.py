@@ -143,7 +143,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
 
 def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) -> CosmosHeader:
     """Read the header of the channel in ``lines[start:end]``; the first of these lines is its title."""
-    title = TITLE.match(lines[start])
+    title = TITLE.match(" ".join(lines[start].split()))  # a repeated title may have other spaces
     assert title is not None
     # More lines of text than the 13 of the format are allowed, fewer are not.
     count = max(int(title[2]), 13)

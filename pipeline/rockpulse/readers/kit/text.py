@@ -113,7 +113,7 @@ class Entries(dict[str, Entry]):
         """Return the value of a key, or the first group of `pattern` in it; raise an error if it is not above 0."""
         match = pattern.fullmatch(self.text(key))
         if not match or not float(match[match.re.groups and 1]) > 0.0:
-            raise unexpected(self.where(key), expected, repr(self.text(key)[:40] or "none"))
+            raise unexpected(self.where(key), expected, repr(self.text(key)) if self.text(key) else "none")
         return match[match.re.groups and 1]
 
 

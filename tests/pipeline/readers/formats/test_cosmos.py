@@ -234,3 +234,10 @@ def test_damage_is_named(write, error, content, message):
     with pytest.raises(error, match=message) as refusal:
         read(write(content))
     assert type(refusal.value) is error
+
+
+def test_a_title_that_is_repeated_with_other_spaces_is_one_title(write):
+    content = cosmos(pulse())
+    title = content.split(b"\n")[0]
+    (record,) = read(write(title.rstrip() + b"\n" + title.replace(b" ", b"  ") + content[len(title) :]))
+    assert any("the line is repeated" in note for note in record.warnings)

@@ -73,7 +73,10 @@ def without_row(content: bytes, row: int) -> bytes:
         (without_row(cwb(THREE), 100), r"stream:123: expected the time 2 s .* found 2.02 s"),
         (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"), "stream:24: expected the time 0.025 s .* found 0.02 s"),
         (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), r"stream:16: expected .*above 0"),
-        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), "stream:1: expected a line '#SampleRate"),
+        (
+            cwb(THREE).replace(b"#SampleRate", b"#Sample"),
+            r"stream:1: expected a line '#SampleRate.* above 0, found none;",
+        ),
         (cwb(THREE, sequence="Time"), "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, sequence="U(+); N(+); E(+)"), "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, unit="stone. DC"), "stream:17: unknown unit of acceleration 'stone'"),

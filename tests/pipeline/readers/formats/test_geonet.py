@@ -65,6 +65,13 @@ def test_damage_is_named(content, message):
         got(content)
 
 
+def test_a_title_that_is_repeated_with_other_spaces_is_one_title():
+    content = geonet([THREE[0]], ["Up"])
+    title = content.split(b"\n")[0]
+    (record,) = got(title + b"\n " + title.replace(b" ", b"  ") + content[len(title) :])
+    assert any("the line is repeated" in note for note in record.warnings)
+
+
 @pytest.mark.parametrize(("component", "azimuth"), [("N 53 W", 307.0), ("S 5 E", 175.0), ("N 53W", 307.0)])
 def test_directions_with_blanks(component, azimuth):
     (record,) = got(geonet([THREE[0]], [component]))

@@ -63,7 +63,7 @@ def without(line: int) -> bytes:
     ("content", "message"),
     [
         (without(13), "test.txt:17: expected 'NUMBER OF DATA : '"),
-        (without(14), "test.txt:17: expected 'SAMPLING INTERVAL : '"),
+        (without(14), "test.txt:17: expected 'SAMPLING INTERVAL : ' .*, found none;"),
         (without(15), "test.txt:17: unknown unit of acceleration ''"),
         (nsmn(TABLE, count=4000), r"test.txt:418: expected 4000 rows \(header\), found 400"),
         (nsmn(TABLE, count="9" * 30), r"test.txt:13: expected 'NUMBER OF DATA : ' and a number above 0"),
