@@ -13,6 +13,7 @@ from .impulses.sequence import SteadyState as SteadyState
 from .impulses.sequence import impulse_train as impulse_train
 from .impulses.sequence import sequence_response as sequence_response
 from .impulses.sequence import steady_state as steady_state
+from .march.corner_response import static_capacity as static_capacity
 from .march.demand import Demand as Demand
 from .march.demand import ground_demand as ground_demand
 from .march.recorded import SlidingDemand as SlidingDemand
@@ -28,6 +29,7 @@ from .search.capacity import impulsive_critical_scale as impulsive_critical_scal
 from .search.capacity import resonance_critical_scale as resonance_critical_scale
 from .search.capacity import sequence_critical_scale as sequence_critical_scale
 from .search.factors import ScaleIntervals as ScaleIntervals
+from .search.factors import exceedance_intervals as exceedance_intervals
 from .spectrum.body_probability import OverturningProbability as OverturningProbability
 from .spectrum.body_probability import overturning_probability as overturning_probability
 from .spectrum.half_waves import HalfWaveDemand as HalfWaveDemand

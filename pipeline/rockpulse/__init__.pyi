@@ -5,6 +5,7 @@ from .assessment.assessment import assess_sequence as assess_sequence
 from .assessment.results import Results as Results
 from .assessment.results import load as load
 from .assessment.results import open_results as open_results
+from .assessment.spectra import overturning_factors as overturning_factors
 from .assessment.spectra import overturning_spectrum as overturning_spectrum
 from .assessment.spectra import rocking_spectrum as rocking_spectrum
 from .config.block_settings import BlockSettings as BlockSettings

@@ -5,9 +5,22 @@ from typing import Any
 
 import numpy as np
 
-from rocking.arguments import read_only
+from rocking.arguments import ArrayLike, numbers, read_only
 from rocking.body.block import Block
-from rocking.body.restraint import COLUMNS, FAR, FRICTION, HEIGHT, KIND, NEAR, Restraints
+from rocking.body.restraint import (
+    COLUMNS,
+    FAR,
+    FRICTION,
+    GAP,
+    HEIGHT,
+    KIND,
+    NEAR,
+    SIDE,
+    STIFFNESS,
+    ULTIMATE,
+    YIELD_FORCE,
+    Restraints,
+)
 from rocking.lanes import split_lanes
 from rocking.march.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.march.event import LINEAR
@@ -105,3 +118,47 @@ def uplift_additions(block: Block) -> np.ndarray:
         restraints = _restraint_state(block, 1)
         found[:] = restraints.constant[:, :, 0].T / (restraints.weight.T * restraints.angle[:, :, 1].T)
     return found
+
+
+def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndarray:
+    """Return the static capacity curve of a body: the horizontal acceleration in equilibrium at an increasing rotation.
+
+    Parameters
+    ----------
+    block : Block
+        One body.
+    rotation, side : float or (k,) array_like, int
+        abs(theta) [rad], from 0 to below pi/2; 1 for theta > 0, -1 for theta < 0.
+
+    Returns
+    -------
+    (k,) ndarray
+        Acceleration of the ground that drives the rotation [m/s2]: g tan(alpha - theta) for a body without restraints.
+
+    Examples
+    --------
+    >>> from rocking import Tie
+    >>> bar = Tie(height=8.0, stiffness=6.3e6, yield_force=74e3)
+    >>> facade = Block(width=0.8, height=9.0, density=1800.0, length=1.0, one_sided=True, ties=[bar])
+    >>> (static_capacity(facade, [0.0, 0.01, 0.04]) / facade.gravity).round(2).tolist()
+    [0.09, 1.11, 1.08]
+    """
+    angles = np.atleast_1d(numbers("rotation", rotation, "an angle in rad"))
+    if np.any((angles < 0.0) | (angles >= 0.5 * np.pi)) or side not in (1, -1):
+        raise ValueError(f"rotation, side: expected angles from 0 to pi/2 and 1 or -1, got {rotation!r} and {side!r}")
+    place, moment = (0, np.zeros(angles.shape)) if side == 1 else (1, np.zeros(angles.shape))
+    if block.restraints is not None:
+        restraints = _restraint_state(block.lanes(1), 1)
+        factors = restraints.constant[0, place]
+        moment = factors[0] * np.cos(angles) + factors[1] * np.sin(angles)
+        for one in restraints.elements[0]:
+            friction = one[KIND] == FRICTION
+            if one[HEIGHT] == 0.0 or not (friction or one[SIDE] == side):
+                continue
+            xi = one[FAR] if friction and place == 1 else one[NEAR]
+            out = one[HEIGHT] * np.sin(angles) + xi * (1.0 - np.cos(angles)) - one[GAP]
+            force = np.clip(one[STIFFNESS] * out, 0.0, one[YIELD_FORCE]) * (out < one[ULTIMATE])
+            moment = moment + force * (one[HEIGHT] * np.cos(angles) + xi * np.sin(angles))
+        moment = moment / restraints.weight[0, place]
+    alpha = block.alpha_c if side == 1 else block.alpha_2
+    return np.asarray(block.gravity * (np.sin(alpha - angles) + moment) / np.cos(alpha - angles))

@@ -50,7 +50,7 @@ class ScaleIntervals(LaneValues):
 
     Examples
     --------
-    >>> found = exceedance_intervals(lambda lanes, factors: factors > 1.2, [0.5], 10.0, 64)
+    >>> found = rocking.exceedance_intervals(lambda lanes, factors: factors > 1.2, [0.5], 10.0, 64)
     >>> found.safety_factor.round(3), found.upper, found.open
     (array([1.2]), array([10.]), array([ True]))
     """
@@ -109,7 +109,9 @@ class ScaleIntervals(LaneValues):
         return answered
 
 
-def exceedance_intervals(exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike) -> ScaleIntervals:
+def exceedance_intervals(
+    exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = TOLERANCE
+) -> ScaleIntervals:
     """Find the scale factor intervals in which each block exceeds a limit, by a log-spaced scan with refined edges.
 
     Parameters
@@ -125,13 +127,15 @@ def exceedance_intervals(exceeds: Exceeds, start: np.ndarray, factor_max: float,
         End of the search [-].
     points : int or (m,) array_like of int
         Number of scale factors of the scan of each block, both ends included; at least 2.
+    tolerance : float
+        Relative width of the final bracket of each edge, at least 1e-12.
 
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the scale factor 1. Below the first
     exceedance of a block, steps in which its response may come close to the limit are halved. A narrower interval
     or gap is found only if a scale factor of the scan lies in it. Then all edges are refined by bisection at the
-    same time, until their brackets are narrower than :data:`TOLERANCE`.
+    same time.
 
     Examples
     --------
@@ -140,12 +144,18 @@ def exceedance_intervals(exceeds: Exceeds, start: np.ndarray, factor_max: float,
     (array([1.2, 3. ]), array([ 2., 10.]), array([False,  True]))
     """
     start = np.asarray(start, dtype=float)
+    if start.ndim != 1:
+        raise ValueError(f"start: expected a scale factor for each block, (m,), got shape {start.shape}")
     given = np.broadcast_to(np.asarray(points, dtype=float), start.shape)
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
+    if not np.all(start > 0.0):
+        raise ValueError(f"start: expected positive scale factors, got {np.min(start)}")
     if not np.all((given >= 2.0) & (given <= POINTS_MAX) & (given == np.floor(given))):
         raise ValueError(f"points: expected whole numbers from 2 to {POINTS_MAX}, got {points!r}")
     counts = given.astype(np.int64)
+    if not 1e-12 <= tolerance < 1.0:
+        raise ValueError(f"tolerance: expected at least 1e-12 and below 1, got {tolerance}")
     searched = np.flatnonzero(start <= factor_max)
     at_once = max(1, CASES_AT_ONCE // int(np.max(counts, initial=2)))
     parts = [
@@ -164,7 +174,7 @@ def exceedance_intervals(exceeds: Exceeds, start: np.ndarray, factor_max: float,
     after = np.where(np.append(same, False), np.roll(factor, -1), np.inf)
     lane, count = lane[rise], np.count_nonzero(rise)
     below, above = np.append(before[rise], factor[fall]), np.append(factor[rise], after[fall])
-    _bisect(exceeds, np.tile(lane, 2), below, above, np.arange(2 * count) < count)
+    _bisect(exceeds, np.tile(lane, 2), below, above, np.arange(2 * count) < count, tolerance)
     lower, upper = above[:count], below[count:]
     safe, safety = np.full(start.size, float(factor_max)), np.full(start.size, np.inf)
     first = np.flatnonzero(np.diff(lane, prepend=-1))
@@ -227,10 +237,12 @@ def _denser(
         )
 
 
-def _bisect(exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray) -> None:
+def _bisect(
+    exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray, tolerance: float
+) -> None:
     """Bisect the brackets (below, above) of the ends of all intervals of all blocks at the same time, in place."""
     while True:
-        wide = np.flatnonzero(np.isfinite(above) & (above - below > TOLERANCE * above))
+        wide = np.flatnonzero(np.isfinite(above) & (above - below > tolerance * above))
         if wide.size == 0:
             return
         middle = 0.5 * (below[wide] + above[wide])

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -36,6 +36,7 @@ def assess(
     config: Config | str | os.PathLike[str] | None = None,
     bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
     *,
     units: str | None = None,
     dt: float | None = None,
@@ -55,6 +56,8 @@ def assess(
         The bodies, in place of the bodies of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that were skipped on reading, to be stored with the results.
+    progress : callable, optional
+        Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
     units, dt : str, float, optional
         Unit and sampling interval [s] of files that do not state them, in place of the values in ``[records]``.
     all_models : bool
@@ -80,7 +83,7 @@ def assess(
     asked = given_config(config, units, dt)
     if all_models:
         asked = replace(asked, models=replace(asked.models, use=ALL_MODELS))
-    return registered(run(Assessment(asked, bodies), records, failures))
+    return registered(run(Assessment(asked, bodies), records, failures, progress))
 
 
 class Assessment(Analysis):

@@ -6,14 +6,16 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
+from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.march.recorded import recorded_response
-from rocking.spectrum.overturning import OverturningSpectrum, covered_range
-from rocking.spectrum.probability import Uncertainty, mean_capacity
+from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
+from rocking.spectrum.probability import Uncertainty, factor_at, mean_capacity, rising
 from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.sequences.rule import load_rule
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
@@ -25,11 +27,11 @@ ALPHA = 0.1
 
 #: Function that computes blocks at scale factors under a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
-    "nonlinear": lambda record, rates=RATES, waves=None, rotations=True: spectrum_lanes(
-        record.acceleration, record.dt, rates, rotations=rotations
+    "nonlinear": lambda record, rates=RATES, threads=None, waves=None, rotations=True: spectrum_lanes(
+        record.acceleration, record.dt, rates, threads, rotations=rotations
     ),
-    "rule": lambda record, rates=RATES, waves=None, rotations=True: load_rule().spectrum_lanes(
-        waves or half_waves(record), rates, rotations=rotations
+    "rule": lambda record, rates=RATES, threads=None, waves=None, rotations=True: load_rule().spectrum_lanes(
+        waves or half_waves(record), rates, threads, rotations=rotations
     ),
 }
 
@@ -40,6 +42,7 @@ def overturning_spectrum(
     restitution: Sequence[float] | np.ndarray = RESTITUTIONS,
     method: Literal["nonlinear", "rule"] = "nonlinear",
     uncertainty: Uncertainty | None = None,
+    threads: int | None = None,
     *,
     rotations: bool = True,
 ) -> xr.Dataset:
@@ -58,6 +61,8 @@ def overturning_spectrum(
     uncertainty : Uncertainty, optional
         Uncertainty of scale factor, restitution and geometry; by default that of
         :class:`rockpulse.models.Uncertainty`. The rule accepts no other.
+    threads : int, optional
+        Threads that share the work; None for all available cores. The result does not depend on it.
     rotations : bool
         False to leave out `rotation_spectrum`, in about half the time.
 
@@ -89,7 +94,7 @@ def overturning_spectrum(
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
     if method == "rule" and uncertainty not in (None, Uncertainty()):
         raise ValueError("uncertainty: method 'rule' was fitted with the default, and accepts no other; leave it out")
-    lanes = LANES[method](record, rates, rotations=rotations)
+    lanes = LANES[method](record, rates, threads, rotations=rotations)
     values = stored_spectrum_values(OverturningSpectrum(lanes, uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
     found = xr.Dataset(
@@ -139,6 +144,56 @@ def stored_spectrum_values(
     }
 
 
+def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
+    """Read the probability of overturning of blocks, and their scale factors, from an overturning spectrum.
+
+    Parameters
+    ----------
+    spectrum : xarray.Dataset
+        Result of :func:`overturning_spectrum`, or one record of /spectra of a results file.
+    block : Block
+        One block (then m = 1), or m blocks; slender, free-standing, inside the p and C of the spectrum.
+
+    Returns
+    -------
+    dict of str to (m,) ndarray
+        `overturning_probability` under the unscaled record, `factor_10`, `factor_50` and `factor_mean` [-], named as
+        in /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
+
+    Raises
+    ------
+    ValueError
+        For a block outside the spectrum.
+
+    Examples
+    --------
+    >>> spectrum = overturning_spectrum(record, p=[1.8, 2.0], restitution=[0.85, 0.9])
+    >>> read = overturning_factors(spectrum, Block(half_width=0.5, half_height=1.9365, restitution=0.9))
+    >>> bool(read["factor_10"][0] < read["factor_50"][0])
+    True
+    """
+    block, level = block.lanes(), spectrum["level"].values
+    axes = spectrum["p"].values, spectrum["restitution"].values
+    inside = within(block, *axes)
+    if not np.all(inside):
+        raise ValueError(
+            f"block: the spectrum covers free blocks of slenderness {LEAST_SLENDERNESS:g} or more within its ranges of "
+            f"p and C, but not {np.count_nonzero(~inside)} of {inside.size} blocks, the first at index "
+            f"{int(np.argmin(inside))}"
+        )
+    speed = block.gravity * np.tan(block.alpha_c) / block.p
+    capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))
+    probability = at_blocks(block, *axes, spectrum["probability"].values)  # at `level` times the mean capacity
+    fitted = rising(probability)
+    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
+    return {
+        "overturning_probability": np.array(at_one),
+        "factor_10": factor_at(0.1, level, fitted) * capacity,
+        "factor_50": factor_at(0.5, level, fitted) * capacity,
+        "factor_mean": capacity,
+    }
+
+
 #: Default frequency parameters [1/s] (R from 7.4 m to 0.2 m) and critical angles [rad] (slenderness from 20 to 2.4).
 P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())
 ALPHAS = tuple(np.linspace(0.05, 0.4, 71).round(10).tolist())
@@ -150,7 +205,9 @@ def rocking_spectrum(
     alpha: Sequence[float] = ALPHAS,
     restitution: float | Literal["housner"] = "housner",
     scale: float = 1.0,
+    vertical: ArrayLike | None = None,
     gravity: float = STANDARD_GRAVITY,
+    threads: int | None = None,
 ) -> xr.Dataset:
     """Compute the largest rotation of blocks of every p and alpha under one record, from the nonlinear equation.
 
@@ -166,8 +223,12 @@ def rocking_spectrum(
         Velocity ratio C of an impact; "housner" depends on alpha.
     scale : float
         Scale factor on the record [-].
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on the record's samples [m/s2].
     gravity : float
         Acceleration of gravity at the blocks [m/s2].
+    threads : int, optional
+        Threads that share the blocks; None for all available cores. The result does not depend on it.
 
     Returns
     -------
@@ -194,7 +255,7 @@ def rocking_spectrum(
     grid = [values.ravel() for values in np.meshgrid(angles, rates, indexing="ij")]
     # The blocks of the grid are not the user's bodies, so their warnings are not logged.
     block = Block.from_parameters(p=grid[1], alpha=grid[0], restitution=restitution, gravity=gravity, log=False)
-    response = recorded_response(block, record.acceleration, record.dt, scale=scale)
+    response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
     shape, dims = (angles.size, rates.size), ("alpha_c", "p")
     restitutions = np.reshape(np.broadcast_to(block.restitution, grid[0].shape), shape)[:, 0]
     answers = {name: np.reshape(getattr(response, name), shape) for name in ("peak_rotation_ratio", "outcome")}

@@ -211,6 +211,8 @@ class _Batch:
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
         """Return workers for a number of items: the earlier workers if they are enough, or new ones."""
         options = self.options
+        if options.executor is not None:
+            return before or resources.enter_context(WorkerPool.through(options.executor))
         if options.scheduler is not None:
             return before or resources.enter_context(WorkerPool.scheduler(options.scheduler))
         workers = self.analysis.config.run.workers if options.workers is None else options.workers

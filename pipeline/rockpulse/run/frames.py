@@ -7,7 +7,6 @@ import struct
 import zlib
 from collections.abc import Mapping, Sequence
 from io import FileIO
-from mmap import ACCESS_READ, mmap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,8 +17,8 @@ MAGIC, KINDS = b"RPA1", "biufU"
 MARK = b"\x89RPJ\x03\r\n\x1a"
 #: Start of a frame: the first bytes, the sizes of head and body, and a checksum (CRC) of both sizes and of the head.
 START = struct.Struct("<8sQQI")
-#: Largest head [bytes].
-HEAD = 64 * 1024**2
+#: Largest head, and size of the blocks that are read to find the start of a frame [bytes].
+HEAD, READ_AT_ONCE = 64 * 1024**2, 1024**2
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -103,34 +102,30 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
     """Return the frames whose heads are undamaged, the end of the last one, and the number of damaged places."""
     size = file.seek(0, os.SEEK_END)
-    if not size:
-        return [], 0, 0
     found: list[Frame] = []
     place = end = gaps = 0
     cut_off = True
-    with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
-        while place < size:
-            if (frame := _frame(data, place)) is not None:
-                gaps += place > end
-                found.append(frame)
-                place = end = frame.end
-            else:
-                cut_off = cut_off if place > end else _is_cut_off(data, place)
-                place = data.find(MARK, place + 1)
-                place = size if place < 0 else place
+    while place < size:
+        if (frame := _frame(file, place, size)) is not None:
+            gaps += place > end
+            found.append(frame)
+            place = end = frame.end
+        else:
+            cut_off = cut_off if place > end else _is_cut_off(file, place, size)
+            place = _next_mark(file, place + 1, size)
     return found, end, gaps + (end < size and not cut_off)
 
 
-def _frame(data: mmap, place: int) -> Frame | None:
+def _frame(file: FileIO, place: int, size: int) -> Frame | None:
     """Return the frame at a position, or None if there is no complete frame."""
-    start = data[place : place + START.size]
+    start = _read(file, place, START.size)
     if len(start) < START.size or not start.startswith(MARK):
         return None
     _, length, body, crc = START.unpack(start)
     begin = place + START.size + length
-    if length > HEAD or begin + body > len(data):
+    if length > HEAD or begin + body > size:
         return None
-    text = data[place + START.size : begin]
+    text = _read(file, place + START.size, length)
     if _crc(length, body, text) != crc:
         return None
     try:
@@ -142,13 +137,25 @@ def _frame(data: mmap, place: int) -> Frame | None:
     return Frame(head, begin, sizes) if whole else None
 
 
-def _is_cut_off(data: mmap, place: int) -> bool:
+def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
     """Return whether a frame starts at a position but ends after the end of the file."""
-    start = data[place : place + START.size]
+    start = _read(file, place, START.size)
     if len(start) < START.size:
         return start[: len(MARK)] == MARK[: len(start)]
     mark, length, body, _ = START.unpack(start)
-    return bool(mark == MARK and place + START.size + length + body > len(data))
+    return mark == MARK and place + START.size + length + body > size
+
+
+def _next_mark(file: FileIO, place: int, size: int) -> int:
+    """Return the position at which the next frame starts, or the size of the file."""
+    while place < size:
+        block = _read(file, place, READ_AT_ONCE)
+        if (found := block.find(MARK)) >= 0:
+            return place + found
+        if len(block) < READ_AT_ONCE:
+            break
+        place += len(block) - len(MARK) + 1
+    return size
 
 
 def _crc(length: int, body: int, text: bytes) -> int:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,6 +33,8 @@ class BatchOptions:
         process alone, on one thread. By default the number in the configuration.
     scheduler : str, optional
         Address of a dask.distributed scheduler whose workers find the files under the same paths.
+    executor : concurrent.futures.Executor, optional
+        Any other executor whose processes can import rockpulse.
     resume : bool
         Keep the finished records of a stopped run if neither the records nor the options have changed.
     overwrite : bool
@@ -59,6 +62,7 @@ class BatchOptions:
 
     workers: int | str | None = None
     scheduler: str | None = None
+    executor: Executor | None = None
     resume: bool = False
     overwrite: bool = False
     append: bool = False

@@ -12,6 +12,7 @@ from itertools import islice
 from operator import length_hint
 from typing import Any, Self, TypeVar
 
+from rocking.lanes import available_cores
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
 from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
@@ -47,6 +48,7 @@ class WorkerPool:
     count: Callable[[], int]  # number of items processed at the same time
     deaths: tuple[type[Exception], ...] = ()  # errors by which a future reports a dead worker
     tries: int = 1  # number of attempts for an item whose worker died
+    owned: bool = True  # whether the executor is shut down at the end
     ahead: int = AHEAD
     group_seconds: float = 0.0  # time that a group of items should take [s]; 0 for single items
     handed_out: set[Future[Any]] = field(default_factory=set)
@@ -80,6 +82,11 @@ class WorkerPool:
         cluster = _Cluster(address, timeout)
         return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER, group_seconds=GROUP_SECONDS)
 
+    @classmethod
+    def through(cls, executor: Executor) -> Self:
+        """Return a pool that uses the given executor; the caller must shut the executor down."""
+        return cls(executor, available_cores, owned=False)
+
     @property
     def size(self) -> int:
         """Number of items that are processed at the same time; on a cluster it changes with the number of workers."""
@@ -92,7 +99,7 @@ class WorkerPool:
         # A traceback keeps the generator `run` alive, so that its `finally` would not run.
         for future in list(self.handed_out):
             future.cancel()
-        if self.executor is not None:
+        if self.executor is not None and self.owned:
             self.executor.shutdown(cancel_futures=True)
 
     def run(

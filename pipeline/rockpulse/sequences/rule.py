@@ -192,7 +192,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
         within = {name: (float(least), float(most)) for name, (least, most) in table["range"].items()}
     except (AttributeError, KeyError, TypeError, ValueError):
         within = {}
-    if not within or not within.keys() <= TRAITS.keys() or any(least > most for least, most in within.values()):
+    if not within or not within.keys() <= TRAITS.keys() or any(not least <= most for least, most in within.values()):
         raise ConfigError(
             f"{source}: expected a number as the key factor of [{point}] and, in [range], two numbers [lowest, "
             f"highest] for one or more of {', '.join(TRAITS)}, as in {SHIPPED} of the package"

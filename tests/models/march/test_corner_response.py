@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recorded_cases import synthetic
 
-from rocking import Load, Outcome, OverturningSpectrum, Thrust, Tie, critical_scale, recorded_response
+from rocking import Load, Outcome, OverturningSpectrum, Thrust, Tie, critical_scale, recorded_response, static_capacity
 from rocking.body.block import Block
 from rocking.body.limits import sorrentino
 from rocking.march.corner_response import uplift_additions
@@ -167,14 +167,64 @@ def test_the_spectrum_before_a_wall_meets_marches_of_its_own(side):
         assert np.log(read.factor_10 / own.factor_10) == pytest.approx(np.zeros(3), abs=within[1])
 
 
-def test_loads_and_thrusts_raise_the_thresholds_of_both_corners():
-    """Body 0.55 m wide: moments of weights and a thrust about either corner, over m g and the height of the centre."""
-    loads = [Load(800.0, 1.8, friction=0.2, distance=0.15), Load(300.0, 1.2, friction=0.4)]
-    held = {"mass": 900.0, "loads": loads, "thrusts": [Thrust(60.0, 1.5, 0.1)]}
-    plain, made = (Block.from_corners(0.2, 0.35, 1.1, 0.6, gravity=G, **more) for more in ({}, held))
-    right, left = 800.0 * 0.15 + 300.0 * 0.275 - 60.0 * 1.5, 800.0 * 0.4 + 300.0 * 0.275 + 60.0 * 1.5
-    expected = np.array([[0.0, right], [0.0, left]]) / (900.0 * G * 1.1)
-    assert uplift_additions(Block.stack([plain, made])) == pytest.approx(expected, rel=1e-12)
+def test_static_capacity_is_that_of_the_weight_and_of_the_tie():
+    free = Block(width=0.5, height=3.0)
+    angles = np.linspace(0.0, 0.3, 7)
+    assert static_capacity(free, angles) == pytest.approx(free.gravity * np.tan(free.alpha_c - angles))
+    bar = Tie(2.5, 1e6, gap=0.01, yield_force=2e3, ultimate=0.2)
+    tied = Block(width=0.5, height=3.0, mass=2000.0, ties=[bar])
+    more = static_capacity(tied, angles) - static_capacity(free, angles)
+    assert more[0] == 0.0
+    out = 2.5 * np.sin(angles)
+    force = np.where(out - 0.01 < 0.2, np.clip(1e6 * (out - 0.01), 0.0, 2e3), 0.0)
+    expected = force * 2.5 * np.cos(angles) / (2000.0 * tied.radius) / np.cos(tied.alpha_c - angles)
+    assert more == pytest.approx(expected)
+
+
+def test_static_capacity_of_loads_and_thrusts_on_both_sides():
+    """A body 0.55 m wide: moments about either corner of weights, friction and a thrust, over m R, by hand."""
+    roof, beam = Load(800.0, 1.8, friction=0.2, distance=0.15), Load(300.0, 1.2, friction=0.4)
+    made = Block.from_corners(
+        0.2, 0.35, 1.1, 0.6, mass=900.0, gravity=G, loads=[roof, beam], thrusts=[Thrust(60.0, 1.5, 0.1)],
+        ties=[Tie(2.0, 3e4, gap=0.01, ultimate=0.35, side="negative", distance=0.05), Tie(1.9, 5e4, yield_force=700.0)],
+    )  # fmt: skip
+    angles = np.array([0.0, 0.002, 0.05, 0.1, 0.3])
+    sin, cos, versed = np.sin(angles), np.cos(angles), 1.0 - np.cos(angles)
+    for side, base, radius in ((1, 0.2, made.radius), (-1, 0.35, made.radius_2)):
+        total = 900.0 * G * radius * np.sin(math.atan2(base, 1.1) - angles)
+        for load, near in ((roof, 0.15), (beam, 0.275)):
+            xi = near if side == 1 else 0.55 - near
+            total += load.weight * (xi * cos - load.height * sin)
+            out = load.height * sin + xi * versed
+            force = np.minimum(load.friction * load.weight, load.friction * load.weight / 1e-3 * out)
+            total += force * (load.height * cos + xi * sin)
+        xi = 0.1 if side == 1 else 0.45
+        total -= side * 60.0 * (1.5 * cos + xi * sin)
+        if side == 1:
+            total += np.minimum(5e4 * 1.9 * sin, 700.0) * 1.9 * cos
+        else:
+            out = 2.0 * sin + 0.05 * versed - 0.01
+            total += np.where(out < 0.35, 3e4 * np.maximum(out, 0.0), 0.0) * (2.0 * cos + 0.05 * sin)
+        expected = total / (900.0 * radius * np.cos(math.atan2(base, 1.1) - angles))
+        assert static_capacity(made, angles, side=side) == pytest.approx(expected, rel=1e-12)
+    assert static_capacity(made, 0.1).shape == (1,)
+    plain = Block.from_corners(0.2, 0.35, 1.1, 0.6, gravity=G)
+    assert static_capacity(plain, 1.5707, side=-1).shape == (1,)
+    assert uplift_additions(Block.stack([plain, made])) == pytest.approx(
+        np.array(
+            [
+                [0.0, (800.0 * 0.15 + 300.0 * 0.275 - 60.0 * 1.5) / (900.0 * G * 1.1)],
+                [0.0, (800.0 * 0.4 + 300.0 * 0.275 + 60.0 * 1.5) / (900.0 * G * 1.1)],
+            ]
+        ),
+        rel=1e-12,
+    )
+
+
+@pytest.mark.parametrize(("angle", "side"), [(-0.01, 1), (math.pi / 2, 1), (0.1, 0), (0.1, 2), (-1e-9, -1)])
+def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
+    with pytest.raises(ValueError, match="expected angles from 0 to pi/2 and 1 or -1"):
+        static_capacity(Block(width=0.5, height=3.0), [0.0, angle], side=side)
 
 
 @pytest.mark.parametrize(

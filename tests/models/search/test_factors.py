@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rocking.search.factors import CASES_AT_ONCE, ScaleIntervals, exceedance_intervals
+from rocking import exceedance_intervals
+from rocking.search.factors import CASES_AT_ONCE, ScaleIntervals
 
 
 def bands(*edges):
@@ -26,6 +27,14 @@ def test_every_edge_is_found_to_its_tolerance():
     assert found.resolved.all()
     assert list(found.count) == [2]
     assert found.step == pytest.approx(100.0 ** (1.0 / 63.0))
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-9, 1e-12])
+def test_a_bracket_is_as_narrow_as_asked_for(tolerance):
+    found = exceedance_intervals(bands((np.e, 99.0)), [0.1], 10.0, 16, tolerance)
+    assert found.safety_factor[0] / found.safe_up_to[0] - 1.0 <= tolerance * 1.001
+    assert found.safety_factor[0] / found.safe_up_to[0] - 1.0 > tolerance * 0.47
+    assert found.safe_up_to[0] < np.e <= found.safety_factor[0]
 
 
 def test_exceedance_at_the_end_of_the_search_is_open():
@@ -158,12 +167,18 @@ def test_many_lanes_give_what_each_alone_gives():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (([0.0], 10.0, 64), "start: expected positive"),
+        (([np.nan], 10.0, 64), "start: expected positive"),
         (([0.5], np.inf, 64), "factor_max: expected a positive number"),
         (([0.5], 0.0, 64), "factor_max: expected a positive number"),
+        ((0.5, 10.0, 64), "start: expected a scale factor for each block, .* got shape"),
         (([0.5], 10.0, 1), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 64.5), "points: expected whole numbers from 2"),
         (([0.5], 10.0, np.nan), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 1e11), "points: expected whole numbers from 2"),
+        (([0.5], 10.0, 64, 0.0), "tolerance: expected at least 1e-12"),
+        (([0.5], 10.0, 64, 1.0), "tolerance: expected at least 1e-12 and below 1"),
+        (([0.5], 10.0, 64, 1.5), "tolerance: expected at least 1e-12 and below 1"),
     ],
 )
 def test_what_is_out_of_range_is_refused(arguments, message):

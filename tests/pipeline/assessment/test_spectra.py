@@ -1,5 +1,7 @@
 """The overturning spectrum of a record and what bodies read from it; the rocking spectrum and every single block."""
 
+import math
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,6 +9,7 @@ import xarray as xr
 import rockpulse as rp
 from rocking import OverturningSpectrum, spectrum_lanes
 from rockpulse.assessment.spectra import (
+    overturning_factors,
     overturning_spectrum,
     rocking_spectrum,
     stored_spectrum_values,
@@ -19,6 +22,7 @@ from synthetic import synthetic_motion
 RECORD = rp.Record(synthetic_motion(3, pga=3.0)[:2000], dt=0.01, id="synthetic", processed=True)
 P = np.array([1.5, 1.7, 1.9])
 C = np.array([0.85, 0.95])
+BODIES = Block.from_parameters(p=[1.5, 1.7, 1.9], alpha=[0.1, 0.2, 0.25], restitution=[0.85, 0.95, 0.85], log=False)
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +51,22 @@ def test_the_interval_holds_the_spectrum_and_probability_reaches_both_ends(spect
     assert np.all(spectrum["rotation_spectrum"].diff("rotation") <= 1e-12)
 
 
+def test_on_the_axes_a_body_reads_what_it_reads_from_the_lanes(spectrum):
+    read = overturning_factors(spectrum, BODIES)
+    direct = OverturningSpectrum(spectrum_lanes(RECORD.acceleration, RECORD.dt, P)).factors(BODIES)
+    assert read["factor_mean"] == pytest.approx(direct.factor_mean, rel=1e-3)
+    assert read["factor_10"] == pytest.approx(direct.factor_10, rel=0.01)
+    assert read["factor_50"] == pytest.approx(direct.factor_50, rel=0.01)
+    assert read["overturning_probability"] == pytest.approx(direct.at_one, abs=0.01)
+
+
+def test_capacity_is_the_speed_over_the_spectrum(spectrum):
+    read = overturning_factors(spectrum, BODIES)
+    speed = BODIES.gravity * np.tan(BODIES.alpha_c) / BODIES.p
+    own = [spectrum["spectrum"].sel(p=p, restitution=c).item() for p, c in zip(P, BODIES.restitution, strict=True)]
+    assert read["factor_mean"] == pytest.approx(speed / own)
+
+
 def test_restitutions_that_the_lanes_do_not_reach_are_gaps(spectrum):
     lanes = OverturningSpectrum(spectrum_lanes(RECORD.acceleration, RECORD.dt, P), rp.models.Uncertainty())
     found = stored_spectrum_values(lanes, np.array([0.5, C[0], 0.6, C[1]]))
@@ -64,6 +84,35 @@ def test_restitutions_that_the_lanes_do_not_reach_are_gaps(spectrum):
         "probability": (3, 1, LEVELS.size),
     }
     assert all(np.isnan(values).all() for values in none.values())
+
+
+def test_between_the_axes_the_logarithm_is_linear():
+    """On a made-up spectrum S = p^2 with P a step, the capacity of any p is g tan(alpha)/p^3."""
+    p, level = np.array([1.0, 2.0]), np.array([0.5, 0.999, 1.001, 2.0])
+    made = xr.Dataset(
+        {
+            "spectrum": (("p", "restitution"), (p**2)[:, None]),
+            "probability": (("p", "restitution", "level"), np.broadcast_to([0.0, 0.0, 1.0, 1.0], (2, 1, 4))),
+        },
+        {"p": p, "restitution": [0.9], "level": level},
+    )
+    block = Block.from_parameters(p=math.sqrt(2.0), alpha=0.1, restitution=0.9, log=False)
+    read = overturning_factors(made, block)
+    assert read["factor_mean"] == pytest.approx([block.gravity * math.tan(0.1) / math.sqrt(2.0) ** 3])
+    assert read["factor_50"] == pytest.approx(read["factor_mean"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Block.from_parameters(p=3.0, alpha=0.1, restitution=0.9, log=False),
+        Block.from_parameters(p=1.7, alpha=0.1, restitution=0.7, log=False),
+        Block.from_parameters(p=1.7, alpha=0.5, restitution=0.9, log=False),
+    ],
+)
+def test_a_body_outside_the_spectrum_is_refused(spectrum, block):
+    with pytest.raises(ValueError, match="not 1 of 1"):
+        overturning_factors(spectrum, block)
 
 
 def test_without_rotations_all_else_is_the_same(spectrum):
@@ -116,10 +165,11 @@ def test_every_cell_is_the_response_of_that_block(restitution):
             assert float(cell["restitution"]) == block.restitution
 
 
-def test_gravity_is_that_of_the_place():
-    found = rocking_spectrum(SINE, CELL_P, CELL_ALPHA, gravity=3.7)
+def test_the_vertical_acts_and_gravity_is_that_of_the_place():
+    up = 2.0 * np.cos(5.0 * SINE.time)
+    found = rocking_spectrum(SINE, CELL_P, CELL_ALPHA, vertical=up, gravity=3.7)
     block = Block.from_parameters(p=2.0, alpha=0.25, restitution="housner", gravity=3.7)
-    expected = recorded_response(block, SINE.acceleration, SINE.dt)
+    expected = recorded_response(block, SINE.acceleration, SINE.dt, vertical=up)
     assert found["peak_rotation_ratio"].sel(p=2.0, alpha_c=0.25).item() == expected.peak_rotation_ratio
     assert found.attrs == {"record": "one sine", "scale": 1.0, "gravity": 3.7}
 

@@ -1,6 +1,7 @@
 """A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
 
 import logging
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,7 +17,7 @@ from record_writers.geonet import geonet
 import rockpulse as rp
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment import assessment
-from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
+from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
 from rockpulse.run.analysis import run as run_in_memory
@@ -102,6 +103,27 @@ def in_memory(folder, tmp_path_factory):
 def test_two_workers_give_the_same(folder, in_memory, tmp_path):
     assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=2))
     assert_contents(tmp_path / "results.h5", in_memory)
+
+
+@pytest.mark.sweep
+def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tmp_path):
+    with ThreadPoolExecutor(3) as threads:
+        assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=threads))
+        assert threads.submit(abs, -1).result() == 1
+    assert_contents(tmp_path / "results.h5", in_memory)
+
+
+@pytest.mark.parametrize("verb", [rp.assess, rp.fragility, rp.calibrate])
+def test_the_functions_take_progress_and_failures(verb):
+    record = rp.Record(pulse(300, 3.0), 0.01, "a")
+    seen, row = [], Failure("b.AT2", "read", "b.AT2: damaged", "failed")
+    config = replace(SITE, models=CONFIG.models)
+    try:
+        tree = verb([record], config, failures=[row], progress=lambda planned: seen.extend(planned) or planned)
+        assert tree["failures"]["reason"].values.tolist()[0] == "b.AT2: damaged"
+    except RecordRefused:  # one record calibrates no site
+        assert verb is rp.calibrate
+    assert [one.name for one in seen] == ["a"]
 
 
 @pytest.mark.sweep

@@ -129,6 +129,7 @@ def test_the_spectrum_of_the_rule_is_its_demand():
         ("[balanced", "not valid TOML"),
         ("[range]\np = [1.0, 2.0]\n[conservative]\nfactor = 1.0", r"key factor of \[balanced\]"),
         ("[balanced]\nfactor = 1.0", r"in \[range\], two numbers"),
+        ("[range]\np = [nan, 1.0]\n[balanced]\nfactor = 1.0", r"in \[range\], two numbers"),
         ("[range]\np = [2.0, 1.0]\n[balanced]\nfactor = 1.0", r"in \[range\], two numbers"),
         ("[range]\nq = [1.0, 2.0]\n[balanced]\nfactor = 1.0", "slenderness"),
         ("[range]\np = 1.0\n[balanced]\nfactor = 1.0", r"two numbers \[lowest, highest\]"),

@@ -1,7 +1,7 @@
 """Fragility of the bodies of a site under a set of records, and the tree of a fragility file (docs/schema.md)."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from typing import Any
 
@@ -33,6 +33,8 @@ def fragility(
     records: Records,
     config: Config | str | os.PathLike[str] | None = None,
     bodies: Blocks | None = None,
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
     *,
     units: str | None = None,
     dt: float | None = None,
@@ -48,7 +50,7 @@ def fragility(
         bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of the bodies of the configuration; full sizes in m.
-    units, dt
+    failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -76,7 +78,7 @@ def fragility(
     >>> round(float(curve["median"]), 1)  # m/s2
     6.5
     """
-    return run(FragilityAnalysis(given_config(config, units, dt), bodies), records)
+    return run(FragilityAnalysis(given_config(config, units, dt), bodies), records, failures, progress)
 
 
 class FragilityAnalysis(Analysis):

@@ -50,6 +50,7 @@ SELECTION: Declared = {
 def select(
     records: Records,
     config: Config | str | os.PathLike[str] | None = None,
+    failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
     *,
     units: str | None = None,
@@ -63,9 +64,7 @@ def select(
         Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`.
     config : Config or path, optional
         Configuration with the sections records, conditioning, selection and, without a table of the target, check.
-    progress : callable, optional
-        Wraps the list of channels or pairs, as ``tqdm.tqdm`` does.
-    units, dt
+    failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -97,7 +96,7 @@ def select(
     >>> tree["selection"].sizes["record"], tree["selection"].attrs["compatible"]  # one pulse is no wide spectrum
     (1, 0)
     """
-    return run(SelectionAnalysis(given_config(config, units, dt)), records, progress=progress)
+    return run(SelectionAnalysis(given_config(config, units, dt)), records, failures, progress)
 
 
 class SelectionAnalysis(Analysis):

@@ -1,7 +1,7 @@
 """Calibration of a site from its records: the design spectrum, and the design sequences of bodies."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -29,6 +29,8 @@ def calibrate(
     records: Records,
     config: Config | str | os.PathLike[str] | None = None,
     bodies: Blocks | None = None,
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
     *,
     units: str | None = None,
     dt: float | None = None,
@@ -49,7 +51,7 @@ def calibrate(
         the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of the bodies of the configuration. Without bodies, only the spectrum is stored.
-    units, dt
+    failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -74,7 +76,7 @@ def calibrate(
     >>> site["main"].values.round(3).tolist()
     [0.581, 0.396]
     """
-    return run(SiteCalibration(given_config(config, units, dt), bodies), records)
+    return run(SiteCalibration(given_config(config, units, dt), bodies), records, failures, progress)
 
 
 class NothingCalibrated(RecordRefused):

@@ -230,6 +230,7 @@ def plot(
     kind: str | None = None,
     *,
     block: Block | str | None = None,
+    axes: style.Panels | None = None,
     **options: Any,
 ) -> Figure:
     """Draw a picture of an object by its type.
@@ -246,13 +247,15 @@ def plot(
         bodies if it has no spectrum and no accelerograms), and the main picture of other files.
     block : Block or str, optional
         For a sequence, the Block whose half-cycles determine the times; for results, the name of a body.
+    axes : matplotlib Axes or array_like of Axes, optional
+        Axes to draw on, one for each panel of the picture; by default on a new figure.
     **options
         For results: other options of :func:`rockpulse.plots.draw`.
 
     Returns
     -------
     matplotlib Figure
-        A figure without a window, which a notebook shows once and ``savefig`` writes to a file.
+        The figure of the axes, or a new one without a window, which a notebook shows once and ``savefig`` writes.
 
     Raises
     ------
@@ -269,7 +272,7 @@ def plot(
     """
     if isinstance(what, (xr.DataTree, str, os.PathLike)):
         tree = given_results(what)
-        return draw(tree, kind or _first(tree), block=block, **options)
+        return draw(tree, kind or _first(tree), axes, block=block, **options)
     if not isinstance(what, tuple(_BY_TYPE)):
         raise TypeError(
             "plot: expected a Record, HalfWaves, an ImpulseSequence, a Block, a Response, a dataset of a spectrum, a "
@@ -282,16 +285,16 @@ def plot(
     if isinstance(what, ImpulseSequence) and block is not None:
         if not isinstance(block, Block):
             raise TypeError(f"plot: expected a Block, whose half-cycles give the times, found {type(block).__name__}")
-        return style.whole_figure(limit_accelerogram(block, what))
+        return style.whole_figure(limit_accelerogram(block, what, axes))
     drawer = next(draw for kind, draw in _BY_TYPE.items() if isinstance(what, kind))
-    return style.whole_figure(drawer(what))
+    return style.whole_figure(drawer(what, axes))
 
 
-def _of_dataset(spectrum: xr.Dataset) -> Axes:
+def _of_dataset(spectrum: xr.Dataset, axes: Axes | None) -> Axes:
     if "spectrum" in spectrum:
-        return overturning_spectra(spectrum)
+        return overturning_spectra(spectrum, axes)
     if {"peak_rotation_ratio", "alpha_c", "p"} <= set(spectrum.variables) and "outcome" in spectrum:
-        return rocking_spectrum(spectrum)
+        return rocking_spectrum(spectrum, axes)
     raise TypeError(
         "plot: expected a dataset of rockpulse.overturning_spectrum or rockpulse.rocking_spectrum, found one with "
         f"{', '.join(map(str, spectrum.data_vars)) or 'no variable'}"
@@ -308,8 +311,8 @@ def _first(tree: xr.DataTree) -> str:
 
 
 #: Functions that draw an object, by its type.
-_BY_TYPE: dict[type, Callable[[Any], Figure | Axes | np.ndarray]] = {
-    Record: lambda record: ground_motion.accelerogram(ground_motion.motion_of_record(record)),
+_BY_TYPE: dict[type, Callable[..., Figure | Axes | np.ndarray]] = {
+    Record: lambda record, axes: ground_motion.accelerogram(ground_motion.motion_of_record(record), axes),
     HalfWaves: half_wave_impulses,
     ImpulseSequence: two_half_cycles,
     Block: block_outlines,

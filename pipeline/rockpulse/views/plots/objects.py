@@ -29,9 +29,9 @@ LANES = 6
 MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
-def half_wave_impulses(waves: HalfWaves) -> Axes:
+def half_wave_impulses(waves: HalfWaves, axes: Axes | None = None) -> Axes:
     """Draw the impulses of half-waves at their centroids; impulses above half of the largest have another colour."""
-    ax = style.one_axes(height=2.6)
+    ax = style.one_axes(axes, height=2.6)
     size = np.abs(waves.impulse)
     strong = size >= STRONG * np.max(size, initial=0.0)
     for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "strong_impulses")):
@@ -44,13 +44,13 @@ def half_wave_impulses(waves: HalfWaves) -> Axes:
     return ax
 
 
-def two_half_cycles(sequence: ImpulseSequence) -> Axes:
+def two_half_cycles(sequence: ImpulseSequence, axes: Axes | None = None) -> Axes:
     """Draw two half-cycles of an impulse sequence over time in units of dT; of several sequences, the first is drawn.
 
     If the number of intermediate impulses is not given, four are drawn; the true number depends on the half-cycles of a
     block.
     """
-    ax = style.one_axes(height=2.6)
+    ax = style.one_axes(axes, height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
     words = say("plot.sequence.main", size=three_digits(mains[0, 1]))
@@ -67,16 +67,16 @@ def two_half_cycles(sequence: ImpulseSequence) -> Axes:
     return ax
 
 
-def block_outlines(block: Block) -> np.ndarray:
+def block_outlines(block: Block, axes: style.Panels | None = None) -> np.ndarray:
     """Draw a block with its sizes and restraints, or the first eight blocks of an array, each at its own scale."""
     count = block.shape[0] if block.shape else 0
     names = [say("plot.object.block", number=lane + 1) for lane in range(count)]
-    return _outlines([(name, block.lane(lane), []) for lane, name in enumerate(names)] or [("", block, [])])
+    return _outlines([(name, block.lane(lane), []) for lane, name in enumerate(names)] or [("", block, [])], axes)
 
 
-def response(answer: Response) -> Axes:
+def response(answer: Response, axes: Axes | None = None) -> Axes:
     """Draw the first motions of a response over time or, if it has no history, the peak of every motion."""
-    ax = style.one_axes()
+    ax = style.one_axes(axes)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
     if answer.time is None or answer.rotation is None:
         return _peaks(ax, codes, peaks)
@@ -127,8 +127,9 @@ def bodies(tree: xr.DataTree, axes: style.Panels | None = None, block: str | Non
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]], axes: style.Panels | None = None) -> np.ndarray:
     """Draw the first eight bodies, each given by its name, its block and the periods of its floor [s]."""
-    rows = math.ceil(min(len(drawn), MOST) / IN_ROW)
-    panels = style.several_axes(axes, rows, IN_ROW, height=3.2 * rows).ravel()
+    count = min(len(drawn), MOST)
+    rows, columns = (math.ceil(count / IN_ROW), IN_ROW) if axes is None else (1, count)
+    panels = style.several_axes(axes, rows, columns, height=3.2 * rows).ravel()
     for ax, one in zip(panels, drawn, strict=False):
         _draw(ax, *one)
     for ax in panels[len(drawn) :]:

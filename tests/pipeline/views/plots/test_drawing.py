@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from drawn import small_print
+from matplotlib.figure import Figure
 from results_tree import results_bytes
 
 import rockpulse as rp
@@ -30,6 +31,21 @@ def test_every_public_object_has_a_picture(record):
 
 
 @pytest.mark.sweep
+def test_every_public_object_is_drawn_on_given_axes(record):
+    response = rp.models.recorded_response(BLOCK, record.acceleration, record.dt, history=True)
+    spectrum = rp.overturning_spectrum(record, p=[1.8, 2.2], restitution=[0.9, 0.95])
+    for what, panels, more in (
+        *((one, 1, {}) for one in (rp.half_waves(record), SEQUENCE, response, BLOCK, spectrum)),
+        (rp.models.Block(width=[0.3, 0.4], height=2.0, log=False), 2, {}),
+        (SEQUENCE, 2, {"block": BLOCK}),
+        (record, 3, {}),
+    ):
+        figure = Figure()
+        axes = figure.subplots(panels, squeeze=False)
+        assert rp.plot(what, axes=axes, **more) is figure
+        assert all(ax.lines or ax.patches or ax.collections for ax in axes.ravel())
+
+
 def test_a_block_gives_a_sequence_its_times_and_spectra_are_drawn(record):
     figure = rp.plot(SEQUENCE, block=BLOCK)
     assert [ax.get_xlabel() for ax in figure.axes] == ["", "time from the first main impulse [s]"]
