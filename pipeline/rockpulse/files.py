@@ -89,17 +89,24 @@ def separator(text: str) -> str:
     return next((mark for mark in (";", "\t") if mark in head), ",")
 
 
-def table_of(path: str, text: str) -> pd.DataFrame:
-    """Return the cells of a table as strings, without empty lines and comments (#); decimal commas become points."""
+def table_of(path: str, text: str, quoted: bool = True) -> pd.DataFrame:
+    """Return the cells of a table as strings, without empty lines and comments (#); decimal commas become points.
+
+    With `quoted`, cells may be in quotes, which must be closed; otherwise quotes are a part of the cells.
+    """
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     between = separator("\n".join(lines[:1]))
+    reader = csv.reader(
+        io.StringIO("\n".join(lines)),
+        delimiter=between,
+        skipinitialspace=True,
+        strict=True,
+        quoting=csv.QUOTE_MINIMAL if quoted else csv.QUOTE_NONE,
+    )
     try:
-        rows = [
-            [cell.strip() for cell in row]
-            for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=between, skipinitialspace=True)
-        ]
+        rows = [[cell.strip() for cell in row] for row in reader]
     except csv.Error as error:
         raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
     for row in rows:  # spreadsheets write empty cells after the last one
@@ -111,7 +118,8 @@ def table_of(path: str, text: str) -> pd.DataFrame:
     for number, row in enumerate(cells, start=1):
         if len(row) > len(heads):
             raise ConfigError(
-                f"{path}: row {number}: expected {len(heads)} cells, as in the heading, found {len(row)}: {row}"
+                f"{path}: row {number}: expected {len(heads)} cells, as in the heading, found {len(row)}: {row}; "
+                f"a {between!r} within a cell needs quotes"
             )
     if between != ",":
         cells = [
@@ -131,9 +139,8 @@ def read_table(path: Path, columns: Sequence[str], what: str, where: str = "") -
         raise ConfigError(f"{name}: no such file; expected {what}")
     table = table_of(name, read_text(path, what=what))
     if missing := [column for column in columns if column not in table]:
-        raise ConfigError(
-            f"{name}: expected {what}; missing: {', '.join(missing)}; found: {', '.join(table.columns) or 'none'}"
-        )
+        found = ", ".join(table.columns) or "none, as it is empty"
+        raise ConfigError(f"{name}: expected {what}; missing: {', '.join(missing)}; found: {found}")
     return table
 
 

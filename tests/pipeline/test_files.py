@@ -99,12 +99,17 @@ def test_cells_are_texts_whatever_stands_between_them(text):
 def test_a_name_with_commas_stays_as_it_is():
     assert table_of("t.csv", "name;a\nMuro, nord;1,5\n").iloc[0].tolist() == ["Muro, nord", "1.5"]
     assert table_of("t.csv", 'name,a\n"Muro, nord",1.5\nNA,2\n')["name"].tolist() == ["Muro, nord", "NA"]
+    assert table_of("t.xlsx", 'name;a\n"Nord;1\n"A" b;2\n', quoted=False)["name"].tolist() == ['"Nord', '"A" b']
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("a,b\n1,2\n1,2,3\n", r"t.csv: row 2: expected 2 cells, as in the heading, found 3: \['1', '2', '3'\]"),
+        (
+            "a,b\n1,2\n1,2,3\n",
+            r"t.csv: row 2: expected 2 cells, as in the heading, found 3: \['1', '2', '3'\]; a ',' within",
+        ),
+        ('a,b\n1,"2\n3,4\n', "t.csv: cannot be read as a table: unexpected end of data"),
         ("a,b,a\n1,2,3\n", "t.csv: expected each column once, found 'a' 2 times"),
         ("a,b\n" + "x" * 200_000 + ",2\n", "t.csv: cannot be read as a table: field larger than field limit"),
     ],

@@ -116,7 +116,7 @@ def _table(path: Path) -> "pd.DataFrame":
         ) from None
     except Exception as fault:  # openpyxl may raise any error for a damaged part
         raise ConfigError(f"{path}: cannot be read as a workbook ({fault}); save it as CSV") from fault
-    return table_of(str(path), sheets[0])
+    return table_of(str(path), sheets[0], quoted=False)
 
 
 def _parts(heading: str) -> tuple[str, str]:

@@ -80,7 +80,8 @@ class SelectedRecords:
 
 def read_selection_table(path: Path, where: str = "[fragility] selection") -> SelectedRecords:
     """Read selected records from a CSV table with the columns record, factor (or level) and optionally weight."""
-    table = read_table(path, ("record",), "a CSV table with the columns record and factor (or level)", where)
+    columns = "record and factor" + " (or level)" * where.startswith("[fragility]")
+    table = read_table(path, ("record",), f"a CSV table with the columns {columns}", where)
     name = f"{where}: {path}"
     kinds = [kind for kind in ("factor", "level") if kind in table]
     if len(kinds) != 1:

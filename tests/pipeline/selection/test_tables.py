@@ -34,6 +34,8 @@ def test_levels_and_weights_are_read(tmp_path):
         ("record,factor\n,1\n", "row 1: expected the id of a record, found an empty cell"),
         ("record,factor\na,1\na,1\n", "row 2 repeats factor 1 of a; remove it"),
         ("record,factor\n", "expected a row for each record that was chosen, found none"),
+        ('record,factor\na,"1\nb,2\n', "cannot be read as a table: unexpected end of data"),
+        ("", "missing: record; found: none, as it is empty"),
         ("id,factor\na,1\n", "expected a CSV table with the columns record and factor"),
     ],
 )
@@ -47,3 +49,5 @@ def test_a_table_that_is_not_there_is_told(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.csv: no such file; expected a CSV table with the columns record"):
         selection_of(Config(fragility=settings, folder=tmp_path))
     assert selection_of(Config()) is None
+    with pytest.raises(ConfigError, match=r"selection: .*none\.csv: no such file; .* the columns record and factor$"):
+        read_selection_table(tmp_path / "none.csv", "[[demand]] d: selection")
