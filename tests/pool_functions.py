@@ -16,16 +16,22 @@ def square(number):
 
 
 class Counted:
-    """A function that counts how often it is pickled."""
+    """A function of a megabyte that counts how often each process pickles and unpickles it."""
 
-    pickled = 0
+    pickled = unpickled = 0
+    content = bytes(1_000_000)
 
     def __call__(self, number):
-        return number * number
+        return os.getpid(), Counted.unpickled
 
     def __reduce__(self):
         Counted.pickled += 1
-        return Counted, ()
+        return Counted._again, (self.content,)
+
+    @classmethod
+    def _again(cls, content):
+        cls.unpickled += 1
+        return cls()
 
 
 class Died(Exception):
@@ -99,7 +105,7 @@ def leave(number):
     return number
 
 
-def killed_once(job):
+def killed_once(job, constant=b""):
     """Killed the first time, and only then: the file that is there the second time says so."""
     number, folder = job
     seen = Path(folder) / f"{number}"

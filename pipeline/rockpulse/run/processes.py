@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import pickle
+import secrets
 import signal
 import sys
 import threading
@@ -10,11 +11,10 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import lru_cache
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 from rocking.lanes import thread_limit
 
@@ -26,18 +26,33 @@ ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 MASKS = hasattr(signal, "pthread_sigmask")
 
 
-@lru_cache(maxsize=4)
-def unpacked(function: bytes) -> Callable[[Any], Any]:
-    """Return a pickled function; the last ones are cached, as all items of a run have the same function."""
-    found: Callable[[Any], Any] = pickle.loads(function)
-    return found
+class Packed(NamedTuple):
+    """A pickled function, whose content is sent once to each worker; later calls contain only its key."""
+
+    key: str
+    content: bytes
+
+    @classmethod
+    def of(cls, function: Callable[[Any], Any]) -> Self:
+        """Return a function, pickled and with a new key."""
+        return cls(secrets.token_hex(16), pickle.dumps(function, protocol=5))
 
 
-def call(function: bytes, items: Sequence[Any]) -> tuple[float, list[Any]]:
-    """Apply a pickled function to each item; return the time taken [s] and the results. Kernels use one thread."""
+#: The functions that this process has unpickled last, at most KEPT of them, by key.
+functions: dict[str, Callable[[Any], Any]] = {}
+KEPT = 4
+
+
+def call(packed: Packed, items: Sequence[Any]) -> tuple[float, list[Any]]:
+    """Apply a function to each item; return the time taken [s] and the results. Kernels use one thread."""
     began = time.perf_counter()
+    function = functions.get(packed.key)
+    if function is None:
+        function = functions[packed.key] = pickle.loads(packed.content)
+        for key in list(functions)[:-KEPT]:
+            functions.pop(key, None)  # another thread may have removed it
     with thread_limit(1):
-        results = [unpacked(function)(item) for item in items]
+        results = [function(item) for item in items]
     return time.perf_counter() - began, results
 
 
@@ -115,8 +130,11 @@ class WorkerProcesses(ThreadPoolExecutor):
 
     def _ask(self, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         if not hasattr(self._own, "worker"):
-            self._own.worker = self._start()
+            self._own.worker, self._own.received = self._start(), ""  # key of the function that it received last
         process, pipe = self._own.worker
+        key = args[0].key if function is call else self._own.received
+        if function is call and key == self._own.received:
+            args = (Packed(key, b""), *args[1:])
         letter = pickle.dumps((function, args, kwargs), protocol=5)
         try:
             pipe.send_bytes(letter)
@@ -126,6 +144,7 @@ class WorkerProcesses(ThreadPoolExecutor):
             raise WorkerDied(f"the worker process {_fate(self._end(process, pipe))}") from None
         good, result = pickle.loads(answer)
         if good:
+            self._own.received = key
             return result
         raise result
 

@@ -6,7 +6,7 @@ import re
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from operator import length_hint
@@ -15,7 +15,7 @@ from typing import Any, Self, TypeVar
 from rocking.lanes import available_cores
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
-from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
+from rockpulse.run.processes import Packed, WorkerDied, WorkerProcesses, call, functions
 from rockpulse.version import __version__
 
 logger = logging.getLogger("rockpulse")
@@ -115,7 +115,7 @@ class WorkerPool:
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
             return
-        waiting, again, packed = iter(items), list[Item](), pickle.dumps(function, protocol=5)
+        waiting, again, packed = iter(items), list[Item](), Packed.of(function)
         unsent, size = length_hint(items, LARGEST_GROUP**2), 1
         running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
@@ -146,9 +146,9 @@ class WorkerPool:
             for future in running:
                 future.cancel()
 
-    def _submit(self, function: bytes, group: list[Item]) -> Future[tuple[float, list[Any]]]:
+    def _submit(self, packed: Packed, group: list[Item]) -> Future[tuple[float, list[Any]]]:
         assert self.executor is not None
-        future = self.executor.submit(call, function, group)
+        future = self.executor.submit(call, packed, group)
         self.handed_out.add(future)
         future.add_done_callback(self.handed_out.discard)
         return future
@@ -166,9 +166,15 @@ class WorkerPool:
         return results
 
 
-def _packed_call(packed: bytes) -> bytes:
-    """Run :func:`call` with pickled arguments and return its pickled result; dask does not inspect bytes."""
-    return pickle.dumps(call(*pickle.loads(packed)), protocol=5)
+def _call(key: str, items: bytes) -> bytes:
+    """Run :func:`call` with pickled items and return its pickled result; dask does not inspect bytes."""
+    from distributed import get_worker, sync
+
+    content = b""
+    if key not in functions:
+        worker = get_worker()
+        content = sync(worker.loop, worker.scheduler.get_metadata, keys=[key])
+    return pickle.dumps(call(Packed(key, content), pickle.loads(items)), protocol=5)
 
 
 def version() -> str:
@@ -207,24 +213,27 @@ class _Cluster(Executor):
             self._left = left.pop_all()
         # pure=False: two calls with equal arguments are two calls.
         self._executor = self._client.get_executor(pure=False)
+        self._stored: Any = None  # task of dask with the key of the function that workers get from the scheduler
 
     def size(self) -> int:
         """Number of threads of all workers, at least 1; it is cached for one second, as asking the cluster is slow."""
         now = time.monotonic()
         if now >= self._ask_again:
-            try:
+            with self._connected():
                 self._threads = max(sum(self._client.nthreads().values()), 1)
-            except OSError as error:
-                raise ConnectionError(
-                    f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
-                ) from error
             self._ask_again = now + ASK_EVERY
         return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Call ``fn(*args, **kwargs)`` on a worker; if `fn` is :func:`call`, the future contains pickled results."""
         if fn is call:
-            fn, args = _packed_call, (pickle.dumps(args, protocol=5),)
+            packed, items = args
+            if self._stored is None or self._stored.key != packed.key:
+                # The scheduler deletes this metadata with the task of the same key, which ends with this client.
+                self._stored = self._client.submit(int, key=packed.key)
+                with self._connected():
+                    self._client.set_metadata(packed.key, packed.content)
+            fn, args = _call, (packed.key, pickle.dumps(items, protocol=5))
         future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
         return future
 
@@ -232,6 +241,15 @@ class _Cluster(Executor):
         """Cancel the remaining items and disconnect."""
         self._executor.shutdown(wait=False)
         self._left.close()
+
+    @contextmanager
+    def _connected(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise ConnectionError(
+                f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
+            ) from error
 
     def _check_versions(self) -> None:
         found_on = self._client.run(version, on_error="return")

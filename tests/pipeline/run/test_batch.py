@@ -1,6 +1,7 @@
 """A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
 
 import logging
+import multiprocessing
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -8,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from batch_runs import without_results
+from batch_runs import bar_of, without_results
 from file_contents import assert_contents, contents
 from nominal import Config, ida
 from record_writers import at2, pulse
@@ -102,6 +103,36 @@ def in_memory(folder, tmp_path_factory):
 @pytest.mark.slow
 def test_two_workers_give_the_same(folder, in_memory, tmp_path):
     assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=2))
+    assert_contents(tmp_path / "results.h5", in_memory)
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_killed_at_work_changes_nothing_and_its_record_is_tried_again(
+    folder, in_memory, tmp_path, monkeypatch
+):
+    """One of two processes is killed at the first record: what they have finished is kept, the others go on."""
+    submitted, killed, submit, add = [], [], run.WorkerPool._submit, run.Journal.add
+    added = []
+
+    def submitting(pool, packed, group):
+        submitted.extend(group)
+        return submit(pool, packed, group)
+
+    def kill(desc):
+        if desc == "assessing" and not killed:
+            killed.append(multiprocessing.active_children()[0])
+            killed[0].kill()
+
+    monkeypatch.setattr(run.WorkerPool, "_submit", submitting)
+    monkeypatch.setattr(run.Journal, "add", lambda journal, done: added.append(done.key) or add(journal, done))
+    report = assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=2, bar=bar_of(kill)))
+    tasks = [item for item in submitted if isinstance(item, run.Task)]
+    repeated = {task.key for task in tasks if tasks.count(task) == 2}
+    assert (len(repeated), len(tasks)) == (1, len(added) + 1)
+    assert sorted(added) == sorted({task.key for task in tasks})  # each result once
+    assert added[0] not in repeated
+    assert added[-1] in repeated
+    assert report.broken_off == 0
     assert_contents(tmp_path / "results.h5", in_memory)
 
 

@@ -1,6 +1,7 @@
 """The pool on a real dask scheduler: the same answers, whichever worker dies; clear words where there is no cluster."""
 
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -52,6 +53,17 @@ def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_cha
                 list(pool.run(toys.refuse, range(8)))
             workers = {process for _, process in pool.run(toys.process_id, range(8))}
             assert len(workers) == 2
+
+            # The function is sent to the scheduler once, and from there once to each worker.
+            with monkeypatch.context() as patch:
+                submit, sizes = pool.executor._executor.submit, []
+                patch.setattr(
+                    pool.executor._executor,
+                    "submit",
+                    lambda *given: sizes.append(len(pickle.dumps(given))) or submit(*given),
+                )
+                assert {times for _, (_, times) in pool.run(toys.Counted(), range(40))} == {1}
+            assert max(sizes) < 2000
 
             answers = []
             for answer in pool.run(toys.slow_square, range(40)):
@@ -126,5 +138,7 @@ def test_a_scheduler_that_dies_is_told_in_one_line(tmp_path):
         scheduler.kill()
         _, said = run.communicate(timeout=300)
     assert run.returncode == 2
-    assert re.fullmatch(r"rockpulse: (the dask scheduler at|the work was cancelled) .*\n", said)
+    assert re.fullmatch(
+        r"(rockpulse: assessing: 60 records\n)?rockpulse: (the dask scheduler at|the work was cancelled) .*\n", said
+    )
     assert re.search(rf"\d+ finished records? (is|are) kept in {re.escape(str(journal))}: the same command with", said)

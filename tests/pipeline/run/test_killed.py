@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -55,9 +56,37 @@ def command(folder, target, *options):
     return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
 
 
-def struck(folder, target, point, number):
-    """Exit code and messages of a run, in a fork of this process, that is struck at a point."""
-    return in_a_fork(lambda: run(point, number, command(folder, target, "--workers", "1")), target)
+def struck(folder, target, point, number, workers=1):
+    """Exit code and messages of a run that is struck at a point.
+
+    A run with one worker is a fork of this process. One with more is in a process group of its own, as a terminal
+    starts one, and no process of the group is left.
+    """
+    given = command(folder, target, "--workers", str(workers))
+    if workers == 1:
+        return in_a_fork(lambda: run(point, number, given), target)
+    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *given]
+    process = subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE)
+    _, said = process.communicate(timeout=300)
+    end = time.monotonic() + 300.0
+    while members(process.pid) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert members(process.pid) == []
+    return process.returncode, said
+
+
+def members(group):
+    """Process ids of a group that live, other than zombies."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            text = stat.read_text()
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it has ended meanwhile
+        state, _, own = text.rpartition(")")[2].split()[:3]
+        if int(own) == group and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
 
 
 def assert_resumed(folder, target, undisturbed, *options):
@@ -67,11 +96,11 @@ def assert_resumed(folder, target, undisturbed, *options):
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 
 
-@pytest.mark.sweep
-def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed):
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.sweep), pytest.param(2, marks=pytest.mark.slow)])
+def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed, workers):
     target, log = tmp_path / "out" / "results.h5", tmp_path / "log"
     target.parent.mkdir()
-    assert struck(folder, target, "record", 3)[0] == -signal.SIGKILL
+    assert struck(folder, target, "record", 3, workers)[0] == -signal.SIGKILL
     assert not target.exists()
     assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
     assert "assessing 3 records; finished before: 3, to be repeated: 0" in log.read_text()
@@ -95,13 +124,18 @@ def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undi
     assert_resumed(folder, target, undisturbed, "--workers", "1")
 
 
-@pytest.mark.parametrize(
-    "point", [pytest.param("interrupt", marks=pytest.mark.sweep), pytest.param("terminate", marks=pytest.mark.slow)]
-)
-def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point):
+INTERRUPTIONS = [
+    pytest.param("interrupt", 1, marks=pytest.mark.sweep),
+    pytest.param("interrupt", 2, marks=pytest.mark.slow),
+    pytest.param("terminate", 1, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)
+def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point, workers):
     target = tmp_path / "out" / "results.h5"
     target.parent.mkdir()
-    code, said = struck(folder, target, point, 2)
+    code, said = struck(folder, target, point, 2, workers)
     assert code == 130
     assert re.fullmatch(
         r"rockpulse: interrupted; [2-6] finished records are kept in .*results.h5.journal: the same command with "

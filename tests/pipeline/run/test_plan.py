@@ -13,7 +13,7 @@ from record_writers import at2, pulse
 import rockpulse as rp
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
-from rockpulse.run.tasks import configuration_fingerprint, digest_of
+from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -39,6 +39,19 @@ def test_a_task_is_small(samples):
     first, *others = planned(samples, config(**SWEEP))[0]
     assert len(first.pattern) < 8000
     assert all(len(one.content) < 0.5 * len(first.pattern) for one in others)
+
+
+@pytest.mark.sweep
+def test_a_record_of_many_takes_few_bytes_until_its_results(tmp_path):
+    for number in range(100):
+        title = f"Event {number // 20}, 1/2/2003, Station {number % 20}, 090"
+        (tmp_path / f"r{number:03d}.AT2").write_bytes(at2(pulse(200, 0.2 + 0.01 * number), title=title))
+    located, rows = surveyed(tmp_path, read_options(config()))
+    planned = Assessment(config()).plan([one.record for one in located], rows).planned
+    tasks = tasks_of(planned, located, config(), "assess")
+    assert (planned, located) == ([], [])  # what is not packed is gone
+    assert len({id(task.pattern) for task in tasks}) == 1
+    assert sum(len(task.content) for task in tasks) < 400 * len(tasks)
 
 
 def test_tasks_of_a_site_and_of_fragility_are_in_the_order_of_the_ids(tmp_path):

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from functools import partial
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pool_functions as toys
@@ -305,7 +307,34 @@ def test_a_group_that_is_given_up_costs_each_of_its_items_a_second_try_and_no_ne
     assert {number for number in given if given.count(number) == 2} == {*max(cluster.groups, key=lambda g: 3 in g)}
 
 
-def test_a_function_is_pickled_once_for_all_items_and_workers(pair):
+@pytest.fixture
+def large_letters(monkeypatch):
+    """The sizes of what this process sends to workers, from half a megabyte on [bytes]."""
+    sizes, send = [], Connection.send_bytes
+
+    def counted(pipe, letter):
+        if len(letter) > 500_000:
+            sizes.append(len(letter))
+        send(pipe, letter)
+
+    monkeypatch.setattr(Connection, "send_bytes", counted)
+    return sizes
+
+
+def test_a_function_is_pickled_once_and_sent_once_to_each_worker(pair, large_letters):
     before = toys.Counted.pickled
-    assert dict(pair.run(toys.Counted(), range(12))) == {number: number**2 for number in range(12)}
+    answers = dict(pair.run(toys.Counted(), range(40)))
     assert toys.Counted.pickled == before + 1
+    assert {unpickled for _, unpickled in answers.values()} == {1}
+    assert len(large_letters) == len({process for process, _ in answers.values()})
+
+
+@pytest.mark.sweep
+def test_a_worker_that_replaces_a_dead_one_is_sent_the_function_again(tmp_path, large_letters):
+    jobs = [(number, tmp_path) for number in (1, 2, 3, 4, 5)]
+    with WorkerPool.local(1) as pool:
+        for deaths in (1, 0):  # of the item 3, the first time only
+            answers = list(pool.run(partial(toys.killed_once, constant=bytes(1_000_000)), jobs))
+            assert sorted(answers) == [(job, job[0]) for job in jobs]
+            assert len(large_letters) == 1 + deaths
+            large_letters.clear()
