@@ -8,14 +8,19 @@
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
 
    So u at any node of the ground motion costs three products, and `_fly` computes it at a group of nodes at once to
-   find the next node at which the block is near the ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1
-   at all later times, and the block overturns, if A > 0 and A + 1 > f max(-s G).
+   find the next node at which the block is near the ground; groups with a lower bound of u above this are skipped.
+   The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block overturns, if A > 0 and
+   A + 1 > f max(-s G). With u = 0 the block needs a speed of 1 to overturn on still ground, and the ground adds at most
+   the integral of f abs(a_g) to sqrt(u'^2 + 2 u - u^2), which no impact increases: if u' plus this integral to the end
+   is below 1 at an impact, the block cannot overturn any more.
 
    At an impact s changes its sign (not beside a wall) and u' becomes C abs(u').
-   Near the ground u'' is at most f abs(a_g) - 1. So if u vanishes within a piece (between two nodes) of length h, it
-   is at most (cosh h - 1) max(f abs(a_g) - 1) at the end of this piece: other pieces contain no impact.
-   The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `first_impact`
-   solves the few cases in which u'' changes sign or the steps do not converge.
+   Near the ground u'' is at most b = f abs(a_g) - 1. So if u vanishes within a piece (between two nodes) of length h
+   but is positive at its end, u is at most (cosh h - 1) max(b) and u' is from 0 to sinh(h) max(b) at this end: other
+   pieces contain no impact. `_may_dip` applies sharper bounds of the same kind, with u'' at both ends, to one piece.
+   The impacts of `WIDTH` lanes are solved together by three of Halley's steps from the root of a Taylor polynomial, and
+   u'' shows whether a root is the first one. `first_impact` solves the few cases in which it may not be the first one,
+   or in which the steps do not converge.
 """
 
 import math
@@ -26,11 +31,15 @@ from rocking.kernel_cache import njit
 from rocking.spectrum.slender_ground import (
     AHEAD,
     BLOCK,
+    DECAY,
     DOWN,
     GROWTH,
     HIGHEST,
+    IMPULSE,
+    LEAST,
     LENGTH,
     LIFTING,
+    MOST,
     REACH,
     RESPONSE,
     SLOPE,
@@ -40,7 +49,7 @@ from rocking.spectrum.slender_ground import (
     UP,
     lifting,
 )
-from rocking.spectrum.slender_piece import first_impact, halley_step, hyperbolic, motion_at
+from rocking.spectrum.slender_piece import first_impact, first_root, halley_step, hyperbolic, motion_at
 
 #: Impacts slower than this u' [-] end the motion unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
@@ -51,43 +60,70 @@ CONVERGED = 1e-5
 #: Rows of the state of lanes, each with `WIDTH` values, at a point of a piece: u, u', s f a_g and its rate, the length
 #: left in the piece, u and u' at the end of the piece.
 U, V, PUSH, RATE, LEFT, END_U, END_V = (np.uint64(WIDTH * row) for row in range(7))
-#: Rows of the impact in this piece: tau, u' after it, and the resulting u and u' at the end of the piece.
-TAU, AFTER, NEXT_U, NEXT_V = (np.uint64(WIDTH * row) for row in range(7, 11))
-#: Rows of the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), and the largest u.
-STRENGTH, RESTITUTION, SIDE, PEAK = (np.uint64(WIDTH * row) for row in range(11, 15))
-ROWS = 15
-#: Values in place of the number of a piece: the lane has ended (overturned), or has reached the end of the tables.
-ENDED, FINAL = -1, -2
+#: Rows of the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), the largest u, f times the
+#: acceleration that can lift the block at the end of the piece, and what follows the solution of an impact.
+STRENGTH, RESTITUTION, SIDE, PEAK, HOLD, NEXT = (np.uint64(WIDTH * row) for row in range(7, 13))
+ROWS = 13
+#: What follows: no impact was found by these steps, the next impact is in the same piece, the block rests, or it moves.
+UNSOLVED, AGAIN, RESTS, MOVES = 0.0, 1.0, 2.0, 3.0
+#: Values in place of the number of a piece: the lane has overturned, has reached the end of the tables, or cannot
+#: overturn any more.
+ENDED, FINAL, SAFE = -1, -2, -3
 
 
 @njit(_nrt=False)
-def _solve_impacts(s, turn):
-    """Compute the impacts of all blocks in the state `s`; TAU is negative if `first_impact` must be used instead."""
+def _solve_impacts(s, wall):
+    """Compute the next impacts of all blocks; NEXT is UNSOLVED if `first_impact` must be used instead."""
     for i in range(np.uint64(WIDTH)):
         u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
         bend, twist = u - 1.0 - push, v - rate
-        under = v * v - 2.0 * bend * u
-        root = math.sqrt(under if under > 0.0 else 0.0)
-        top = v + root if v > 0.0 else 2.0 * u
-        low = -bend if v > 0.0 else root - v
-        tau = top / low
+        even, odd = hyperbolic(left)
+        end, speed = u + v * left + bend * even + twist * odd, v + bend * (left + odd) + twist * even
+        last = bend * (1.0 + even) + twist * (left + odd)
+        s[END_U + i], s[END_V + i] = end, speed
+        # Begin at the root of the Taylor polynomial of a hop (u is small), of u at the end if it is concave there only,
+        # or of u at the start.
+        hop = first_root(v, 0.5 * bend, twist / 6.0)
+        late = left - first_root(-end, speed, -0.5 * last)
+        tau = late if (bend > 0.0) & (last < 0.0) else first_root(u, v, 0.5 * bend)
+        tau = hop if (v > 0.0) & (u <= 0.2 * v * hop) else tau
         tau = tau if tau > 0.0 else 0.0
         tau = tau if tau < left else left
         _, tau = halley_step(tau, u, v, bend, twist, left)
         _, tau = halley_step(tau, u, v, bend, twist, left)
         step, tau = halley_step(tau, u, v, bend, twist, left)
-        even, odd = hyperbolic(left)
-        same = bend * (bend * (1.0 + even) + twist * (left + odd)) > 0.0
-        s[TAU + i] = tau if same and abs(step) <= CONVERGED * tau else -1.0
         even, odd = hyperbolic(tau)
-        fall = -(v + bend * (tau + odd) + twist * even)
-        v = s[RESTITUTION + i] * (fall if fall > 0.0 else 0.0)
-        bend, twist = -1.0 - turn * (push + rate * tau), v - turn * rate
-        left -= tau
-        even, odd = hyperbolic(left)
-        s[AFTER + i] = v
-        s[NEXT_U + i] = v * left + bend * even + twist * odd
-        s[NEXT_V + i] = v + bend * (left + odd) + twist * even
+        fall, curve = -(v + bend * (tau + odd) + twist * even), bend * (1.0 + even) + twist * (tau + odd)
+        # u'' changes its sign once at most, so an earlier impact is possible only if u falls, is convex, then concave.
+        under = bend * bend - 2.0 * twist * v
+        low = -2.0 * v / (bend + math.sqrt(under if under > 0.0 else 0.0))
+        low = low if low < left else left
+        even, odd = hyperbolic(low)
+        above = (under < 0.0) | (u + v * low + bend * even + twist * odd > 0.01 * u)
+        first = (bend <= 0.0) | (curve >= 0.0) | (v >= 0.0) | above
+        _bounce(s, i, tau, fall, first & (fall > 0.0) & (abs(step) <= CONVERGED * tau), wall)
+
+
+@njit(inline="always", _nrt=False)
+def _bounce(s, i, tau, fall, solved, wall):
+    """Apply the impact of block i at `tau` with u' = -`fall` if it is `solved`, and write what follows."""
+    turn = 1.0 if wall else -1.0
+    push, rate, left = turn * (s[PUSH + i] + s[RATE + i] * tau), turn * s[RATE + i], s[LEFT + i] - tau
+    v = s[RESTITUTION + i] * (fall if fall > 0.0 else 0.0)
+    bend, twist = -1.0 - push, v - rate
+    even, odd = hyperbolic(left)
+    end, speed = v * left + bend * even + twist * odd, v + bend * (left + odd) + twist * even
+    lifts = -push if wall else abs(push)
+    held = s[HOLD + i]
+    margin = 1.0 - (lifts if lifts > held else held)
+    # It rests if its half-cycles end in this piece: the first lasts at most 2 u'/margin, each C times the one before.
+    rests = (v <= SLOWEST) | (2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left)
+    following = RESTS if rests else (AGAIN if end <= 0.0 else MOVES)
+    s[NEXT + i] = following if solved else UNSOLVED
+    s[U + i], s[V + i] = 0.0 if solved else s[U + i], v if solved else s[V + i]
+    s[PUSH + i], s[RATE + i] = push if solved else s[PUSH + i], rate if solved else s[RATE + i]
+    s[LEFT + i], s[SIDE + i] = left if solved else s[LEFT + i], turn * s[SIDE + i] if solved else s[SIDE + i]
+    s[END_U + i], s[END_V + i] = end if solved else s[END_U + i], speed if solved else s[END_V + i]
 
 
 @njit(_nrt=False)
@@ -149,6 +185,33 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 
 @njit(inline="always", _nrt=False)
+def _search(row, begin, force, grow, fall, near, fastest):
+    """Return twice the number of the first node after `begin` at which u is at most 0, plus 1 if it is small instead.
+
+    u is small if it is at most `near` and u' is from 0 to `fastest`; the result is 2 BLOCK if there is no such node.
+    """
+    q, rate, up, down = row[0], row[1], row[2], row[3]
+    found = 2 * BLOCK
+    for j in range(BLOCK):
+        grown, fallen = grow * up[j], fall * down[j]
+        u, v = 1.0 + force * q[j] + grown + fallen, force * rate[j] + grown - fallen
+        small = (u <= near) & (v > 0.0) & (v <= fastest)
+        place = 2 * j if u <= 0.0 else 2 * j + 1
+        found = min(found, place if ((u <= 0.0) | small) & (j > begin) else 2 * BLOCK)
+    return found
+
+
+@njit(inline="always", _nrt=False)
+def _exceeds(row, begin, force, grow, fall, high):
+    """Return True if u exceeds `high` at a node after `begin`."""
+    q, up, down = row[0], row[2], row[3]
+    above = 0
+    for j in range(BLOCK):
+        above += (1.0 + force * q[j] + grow * up[j] + fall * down[j] > high) & (j > begin)
+    return above > 0
+
+
+@njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
     """Compute the motion of block i from node `k`; return the next piece at whose end u is small, ENDED or FINAL."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
@@ -160,56 +223,51 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
     block = k // BLOCK
     grow = 0.5 * (u - 1.0 + v - force * (points[k, RESPONSE] + points[k, SPEED])) * points[k, DOWN]
     fall = 0.5 * (u - 1.0 - v - force * (points[k, RESPONSE] - points[k, SPEED])) * points[k, UP]
+    grow_before, fall_before = grow, fall
     while True:
         if grow > 0.0 and 2.0 * grow + 1.0 > strength * blocks[block, AHEAD if side > 0.0 else AHEAD + 1]:
             s[PEAK + i] = np.inf
             return ENDED
         first = block * BLOCK
-        pushed = strength * blocks[block, HIGHEST]
-        near = blocks[block, REACH] * (pushed - 1.0) if pushed > 1.0 else 0.0
-        # Slices, because indices that may be negative prevent the use of vector instructions.
-        ahead = slice(first, first + BLOCK)
-        q, e, d = rows[0, ahead], rows[1, ahead], rows[2, ahead]
-        found = BLOCK
-        for j in range(BLOCK):
-            below = (1.0 + force * q[j] + grow * e[j] + fall * d[j] <= near) & (j > k - first)
-            found = min(found, j if below else BLOCK)
+        pushed = max(strength * blocks[block, HIGHEST] - 1.0, 0.0)
+        near = blocks[block, REACH] * pushed
+        if not peaks and first + BLOCK <= count:
+            # A lower bound of u in the group.
+            response = force * blocks[block, LEAST if side > 0.0 else MOST]
+            growth, decay = blocks[block, GROWTH], blocks[block, DECAY]
+            if 1.0 + response + min(grow, grow * growth) + min(fall, fall * decay) > near:
+                grow_before, fall_before = grow, fall
+                grow, fall, block = grow * growth, fall * decay, block + 1
+                continue
+        found = _search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
         if peaks:
             high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
-            above = 0
-            for j in range(BLOCK):
-                above += (1.0 + force * q[j] + grow * e[j] + fall * d[j] > high) & (j > k - first)
-            if above > 0:
-                end = min(first + found, first + BLOCK - 1, count)
+            end = min(first + found // 2, first + BLOCK - 1, count)
+            if _exceeds(rows[block], k - first, force, grow, fall, high):
                 _scan_peak(s, i, max(k + 1, first), end, force, grow, fall, points, blocks)
-        if found < BLOCK:
+        if found < 2 * BLOCK or first + BLOCK > count:
             break
-        if first + BLOCK > count:
-            break
+        grow_before, fall_before = grow, fall
         grow *= blocks[block, GROWTH]
-        fall /= blocks[block, GROWTH]
+        fall *= blocks[block, DECAY]
         block += 1
-    node, last = first + found, min(first + BLOCK - 1, count)
+    node, last = first + found // 2, min(first + BLOCK - 1, count)
     if node > last:
         s[U + i] = max(1.0 + force * points[last, RESPONSE] + grow * points[last, UP] + fall * points[last, DOWN], 0.0)
         s[V + i] = force * points[last, SPEED] + grow * points[last, UP] - fall * points[last, DOWN]
         return FINAL
     piece = node - 1
     if piece > k:
-        shift = 1.0
         if piece < first:
-            shift = blocks[block - 1, GROWTH]
-        u = max(
-            1.0
-            + force * points[piece, RESPONSE]
-            + grow * points[piece, UP] / shift
-            + fall * points[piece, DOWN] * shift,
-            0.0,
-        )
-        v = force * points[piece, SPEED] + grow * points[piece, UP] / shift - fall * points[piece, DOWN] * shift
+            grow, fall = grow_before, fall_before
+        up, down = grow * points[piece, UP], fall * points[piece, DOWN]
+        u = max(1.0 + force * points[piece, RESPONSE] + up + down, 0.0)
+        v = force * points[piece, SPEED] + up - down
     s[U + i], s[V + i], s[LEFT + i] = u, v, points[piece, LENGTH]
     s[PUSH + i], s[RATE + i] = force * points[piece, START], force * points[piece, SLOPE]
-    _end_of_piece(s, i)
+    s[END_U + i] = 0.0  # an impact: the solver computes the end
+    if found % 2 == 1:
+        _end_of_piece(s, i)
     return piece
 
 
@@ -231,11 +289,34 @@ def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
 
 
 @njit(inline="always", _nrt=False)
+def _may_dip(s, i):
+    """Return True if u of block i, positive and growing at the end of this piece, may have been below zero within it.
+
+    The bounds are those of a u'' that is linear in tau, with a margin of 5 % (1 % below) that exceeds the difference.
+    """
+    u, v, left, end, speed = s[U + i], s[V + i], s[LEFT + i], s[END_U + i], s[END_V + i]
+    before = u - 1.0 - s[PUSH + i]
+    after = end - 1.0 - s[PUSH + i] - s[RATE + i] * left
+    highest, lowest = max(before, after), min(before, after)
+    if highest <= 0.0:
+        return False
+    if lowest < 0.0:  # convex in one part of the piece
+        part = left * highest / (highest - lowest)
+        away, high = (speed, end) if after > before else (-v, u)
+        return 0.0 < away <= 0.525 * highest * part and high <= 0.175 * highest * part**2
+    if v >= 0.0 or speed > 1.05 * highest * left or end > 0.525 * highest * left**2:
+        return False
+    return v * v >= 1.98 * lowest * u and speed * speed >= 1.98 * lowest * end
+
+
+@njit(inline="always", _nrt=False)
 def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
     """Compute the motion of block i from a point of piece `k` to the next piece that may contain an impact.
 
-    Return this piece, ENDED or FINAL. `passed` is True if the rest of piece `k` is known to contain no impact.
+    Return this piece, ENDED, FINAL or SAFE. `passed` is True if the rest of piece `k` is known to contain no impact.
     """
+    if not (passed or peaks) and s[V + i] + s[STRENGTH + i] * blocks[k // BLOCK, IMPULSE] < 1.0:
+        return SAFE
     while True:
         if s[SIDE + i] == 0.0:
             k = _lift(s, i, k, count, points, blocks, wall)
@@ -246,11 +327,8 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
             end = s[END_U + i]
             if end <= 0.0:
                 return k
-            if s[END_V + i] > 0.0:
-                pushed = s[STRENGTH + i] * blocks[(k + 1) // BLOCK, HIGHEST]
-                turns = s[V + i] < 0.0 or s[U + i] - 1.0 - s[PUSH + i] < 0.0
-                if turns and end <= 0.51 * s[LEFT + i] ** 2 * max(pushed - 1.0, 0.0):
-                    return k
+            if s[END_V + i] > 0.0 and _may_dip(s, i):
+                return k
         if peaks and s[V + i] > 0.0 > s[END_V + i]:
             _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
         k = _fly(s, i, k + 1, count, points, rows, blocks, peaks)
@@ -260,32 +338,17 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
 
 
 @njit(inline="always", _nrt=False)
-def _impact(s, i, k, points, wall, peaks):
-    """Apply the next impact within piece `k`; return True if the block reaches the end of the piece without one."""
-    u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
-    tau = s[TAU + i]
-    turn = 1.0 if wall else -1.0
-    solved = s[END_U + i] <= 0.0 and tau >= 0.0
-    if peaks and v > 0.0:
-        _raise_peak(s, i, u, v, push, rate, left)
-    if not solved:
+def _after_impact(s, i, wall):
+    """Complete an impact of block i; return True if the block reaches the end of its piece without one."""
+    if s[NEXT + i] == UNSOLVED:
+        u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
         bend, twist = u - 1.0 - push, v - rate
         tau = first_impact(u, v, bend, twist, left)
         if tau < 0.0:
             return True
-        s[AFTER + i] = s[RESTITUTION + i] * max(-motion_at(tau, u, v, bend, twist)[1], 0.0)
-    push, left, v = turn * (push + rate * tau), left - tau, s[AFTER + i]
-    s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
-    s[SIDE + i] *= turn
-    margin = 1.0 - max(lifting(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
-    # It rests if its half-cycles end in this piece: the first lasts at most 2 u'/margin, each C times the one before.
-    if v <= SLOWEST or 2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left:
-        s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate
-        s[SIDE + i] = 0.0
-    elif solved:
-        s[END_U + i], s[END_V + i] = s[NEXT_U + i], s[NEXT_V + i]
-    else:
-        _end_of_piece(s, i)
+        _bounce(s, i, tau, -motion_at(tau, u, v, bend, twist)[1], True, wall)
+    if s[NEXT + i] == RESTS:
+        s[PUSH + i], s[RATE + i], s[SIDE + i] = s[SIDE + i] * s[PUSH + i], s[SIDE + i] * s[RATE + i], 0.0
     return False
 
 
@@ -318,7 +381,10 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
         for i in range(np.uint64(WIDTH)):
             k, passed = piece[i], True
             if lane_of[i] >= 0:
-                passed = _impact(s, i, k, points, wall, peaks)
+                if s[NEXT + i] == AGAIN:
+                    busy += 1
+                    continue
+                passed = _after_impact(s, i, wall)
             while True:
                 if lane_of[i] < 0:
                     while taken < last and np.isnan(state[taken, 3]):
@@ -331,12 +397,17 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
                     taken += 1
                 k = _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks)
                 if k >= 0:
+                    s[HOLD + i] = strength[lane_of[i]] * points[k + 1, LIFTING]
                     busy += 1
                     break
                 _store(s, i, state[lane_of[i]], k, final)
                 lane_of[i] = -1
             piece[i] = k
-        _solve_impacts(s, 1.0 if wall else -1.0)
+        if peaks:
+            for i in range(np.uint64(WIDTH)):
+                if lane_of[i] >= 0 and s[V + i] > 0.0:
+                    _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
+        _solve_impacts(s, wall)
 
 
 @njit(_nrt=False)
@@ -354,5 +425,5 @@ def _store(s, i, own, status, final):
     own[0], own[1], own[2], own[3] = s[PEAK + i], s[U + i], s[V + i], s[SIDE + i]
     if status == FINAL and final and own[3] != 0.0:
         own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))
-    if status == ENDED:
+    if status in (ENDED, SAFE):
         own[3] = np.nan

@@ -26,10 +26,10 @@ AT_ONCE = 2**16
 #: a_g with tau. Of each node: Q and Q' [m/s2], e^tau and e^-tau from the start of its group, and the acceleration that
 #: can lift a block at rest [m/s2].
 LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
-#: Columns of `Tables.blocks`, for each group: e^tau over the group; the largest LIFTING in the group and at the node
-#: before it; cosh h - 1 of the longest piece of all; the largest abs(a_g) of all; upper bounds of -G, and of G (AHEAD +
-#: 1), from the group on.
-GROWTH, HIGHEST, REACH, STRONGEST, AHEAD = range(5)
+#: Columns of `Tables.blocks`, for each group: e^tau over the group and its reciprocal; the largest LIFTING in the group
+#: and at the node before it; cosh h - 1 of the longest piece that ends in the group; the largest abs(a_g) of all; the
+#: least and the largest Q; from the group on, upper bounds of -G, of G (AHEAD + 1) and of the integral of abs(a_g).
+GROWTH, DECAY, HIGHEST, REACH, STRONGEST, LEAST, MOST, AHEAD, _, IMPULSE = range(10)
 
 
 class Tables(NamedTuple):
@@ -37,8 +37,8 @@ class Tables(NamedTuple):
 
     pieces: int  #: number of pieces
     points: np.ndarray  #: (n, 8)
-    rows: np.ndarray  #: (3, n) copy of Q, e^tau and e^-tau with contiguous rows
-    blocks: np.ndarray  #: (b, 6)
+    rows: np.ndarray  #: (b, 4, `BLOCK`) copy of Q, Q', e^tau and e^-tau of each group with contiguous rows
+    blocks: np.ndarray  #: (b, 10)
 
 
 @njit(inline="always", _nrt=False)
@@ -63,7 +63,8 @@ def _fill_points(length, start, slope, past, future, points, rows):
         points[k, RESPONSE], points[k, SPEED] = 0.5 * (future + past), 0.5 * (future - past)
         grown = 1.0 if k % BLOCK == 0 else grown
         points[k, UP], points[k, DOWN] = grown, 1.0 / grown
-        rows[0, k], rows[1, k], rows[2, k] = points[k, RESPONSE], points[k, UP], points[k, DOWN]
+        for row in range(rows.shape[1]):
+            rows[k // BLOCK, row, k % BLOCK] = points[k, RESPONSE + row]
         past_of_next = 0.0
         if k < count:
             points[k, LENGTH], points[k, START], points[k, SLOPE] = length[k], start[k], slope[k]
@@ -76,14 +77,21 @@ def _fill_points(length, start, slope, past, future, points, rows):
 
 @njit(_nrt=False)
 def _fill_blocks(ends, wall, left, points, blocks):
-    """Fill `blocks` and column LIFTING of `points` from a_g at the `ends` of pieces; `left` bounds later -G and G."""
-    count, push, longest, strongest, largest = ends.shape[0], 0.0, 0.0, 0.0, 0.0
+    """Fill `blocks` and column LIFTING of `points` from a_g at the `ends` of pieces; `left`: AHEAD to IMPULSE after."""
+    count, push, length, longest, strongest, largest = ends.shape[0], 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(points.shape[0]):
         block, before, even, odd = k // BLOCK, push, 0.0, 0.0
-        push = 0.0
+        if k % BLOCK == 0:
+            blocks[block, REACH], blocks[block, IMPULSE] = 0.0, 0.0
+            blocks[block, LEAST], blocks[block, MOST] = points[k, RESPONSE], points[k, RESPONSE]
+        blocks[block, LEAST] = min(blocks[block, LEAST], points[k, RESPONSE])
+        blocks[block, MOST] = max(blocks[block, MOST], points[k, RESPONSE])
+        blocks[block, REACH] = max(blocks[block, REACH], 0.505 * length**2)
+        push, length = 0.0, points[k, LENGTH]
         if k < count:
             push = lifting(points[k, START], wall)
             longest, strongest = max(longest, points[k, LENGTH]), max(strongest, abs(points[k, START]), abs(ends[k]))
+            blocks[block, IMPULSE] += 0.5 * points[k, LENGTH] * (abs(points[k, START]) + abs(ends[k]))
             even, odd = hyperbolic(points[k, LENGTH])
         if 0 < k <= count:
             push = max(push, lifting(ends[k - 1], wall))
@@ -96,12 +104,14 @@ def _fill_blocks(ends, wall, left, points, blocks):
         blocks[block, AHEAD] = max(blocks[block, AHEAD], -after)
         blocks[block, AHEAD + 1] = max(blocks[block, AHEAD + 1], after)
         blocks[block, GROWTH] = points[k, UP] * (1.0 + points[k, LENGTH] + even + odd)
-    minus, plus = max(left[0], 0.0), max(left[1], 0.0)
+    minus, plus, later = max(left[0], 0.0), max(left[1], 0.0), left[2]
     slack = 0.5 * longest * (largest + 2.0 * strongest)
     for block in range(blocks.shape[0] - 1, -1, -1):
         minus, plus = max(minus, blocks[block, AHEAD]), max(plus, blocks[block, AHEAD + 1])
         blocks[block, AHEAD], blocks[block, AHEAD + 1] = minus + slack, plus + slack
-        blocks[block, REACH], blocks[block, STRONGEST] = 0.505 * longest**2, strongest
+        later += blocks[block, IMPULSE]
+        blocks[block, STRONGEST], blocks[block, IMPULSE] = strongest, later
+        blocks[block, DECAY] = 1.0 / blocks[block, GROWTH]
 
 
 class SlenderGround:
@@ -120,8 +130,8 @@ class SlenderGround:
             count = int(self._starts[-1])
             del parts
         self._count, self._firsts = count, range(0, count, AT_ONCE)
-        # G at the end of each set of tables, and the largest -G and G after it.
-        self._after = [(0.0, np.zeros(2))]
+        # G at the end of each set of tables, and AHEAD to IMPULSE after it.
+        self._after = [(0.0, np.zeros(3))]
         for first in reversed(self._firsts[1:]):
             tables = self._tables(first, 0.0, *self._after[0])
             left = tables.blocks[0, AHEAD:].copy()
@@ -141,7 +151,7 @@ class SlenderGround:
             del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
-        """Return tables from piece `first` on; `past` is H before, `future` G after them, `left` bounds -G and G."""
+        """Return tables from piece `first` on; `past` is H before, `future` G and `left` AHEAD to IMPULSE after."""
         last = min(first + AT_ONCE, self._count)
         whole: Any = slice(first, last)
         parts, place = np.array(1), np.array(0)
@@ -156,7 +166,11 @@ class SlenderGround:
         ends = np.where(place + 1 == parts, end, start + step)
         slope = (ends - start) / length
         size = (length.size // BLOCK + 1) * BLOCK
-        points, rows, blocks = np.zeros((size, 8)), np.empty((3, size)), np.empty((size // BLOCK, AHEAD + 2))
+        points, rows, blocks = (
+            np.zeros((size, 8)),
+            np.empty((size // BLOCK, 4, BLOCK)),
+            np.empty((size // BLOCK, IMPULSE + 1)),
+        )
         _fill_points(length, start, slope, past, future, points, rows)
         _fill_blocks(ends, self.wall, left, points, blocks)
         return Tables(length.size, points, rows, blocks)

@@ -34,6 +34,15 @@ def motion_at(tau, u, v, bend, twist):
 
 
 @njit(inline="always", _nrt=False)
+def first_root(least, middle, most):
+    """Return the first positive root of `least` + `middle` t + `most` t^2, `least` not negative; any number if none."""
+    under = middle * middle - 4.0 * least * most
+    root = math.sqrt(under if under > 0.0 else 0.0)
+    top = middle + root if middle > 0.0 else 2.0 * least
+    return top / (-2.0 * most if middle > 0.0 else root - middle)
+
+
+@njit(inline="always", _nrt=False)
 def halley_step(tau, u, v, bend, twist, left):
     """Return a step of Halley's method for u = 0, and tau after this step, limited to the piece."""
     even, odd = hyperbolic(tau)
