@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -44,6 +44,7 @@ class Scene:
     rule: str = ""  # variant of the rule for paired models; empty if these use the sequence
 
 
+@cache
 def loaded_rule(point: str) -> Rule:
     """Return a variant of the rule by its name, "balanced" or "conservative"."""
     from rockpulse.sequences.rule import load_rule
