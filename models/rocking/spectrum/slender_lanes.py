@@ -22,10 +22,11 @@ import numpy as np
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.body.limits import RATES
+from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import BodyLanes
-from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
+from rocking.spectrum.probability import FARTHEST, MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender import ROWS, WIDTH, march_lanes
 from rocking.spectrum.slender_ground import SlenderGround, Tables, largest_impulse
 
@@ -36,7 +37,7 @@ SHORTEST = 1e-12
 #: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
 LEAST_RESTITUTION = 0.7125
 #: Lanes up to this restitution represent 1, for bodies whose uncertain C exceeds it; their motion has MOST_RESTITUTION.
-BEYOND = 1.05
+BEYOND = 1.025
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
 #: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
@@ -330,11 +331,26 @@ def _second_stage_levels(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the levels of `count` samples of the second stage, and the density of samples on a grid of levels."""
     grid = np.linspace(lowest, highest, POINTS)
-    near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     # Rounded, because the square root of a rounding error would move all lanes by 1e-8.
-    share = np.round(np.sum(near * over, axis=1) / np.sum(near, axis=1), SHARE_DIGITS)
+    share = np.round(_share_near(level, over, grid), SHARE_DIGITS)
     wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
     step = grid[1] - grid[0]
     filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
     places = np.interp((np.arange(count) + 0.5) / count * filled[-1], filled, grid)
     return places, grid, count * wanted / filled[-1]
+
+
+@njit()
+def _share_near(level, over, grid):
+    """Return the share of samples `over` at each of `grid`, averaged over the levels near it."""
+    share = np.empty(grid.size)
+    for place in range(grid.size):
+        hit = whole = 0.0
+        for lane in range(level.size):
+            away = (level[lane] - grid[place]) / NEIGHBOURS
+            if abs(away) < FARTHEST:
+                weight = math.exp(-0.5 * away * away)
+                whole += weight
+                hit += weight if over[lane] else 0.0
+        share[place] = hit / whole
+    return share

@@ -16,7 +16,7 @@ from rocking.spectrum.overturning import (
     slender_within,
 )
 from rocking.spectrum.probability import NO_LANE, factor_at, mean_capacity, rising
-from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
+from rocking.spectrum.slender_lanes import BEYOND, SpectrumLanes, spectrum_lanes
 from synthetic import synthetic_motion
 
 DT = 0.01
@@ -196,7 +196,7 @@ def by_hand(request):
     """Few lanes of uneven weight at three frequency parameters, each from and to an x of its own."""
     rng = np.random.default_rng(8)
     p, bottom, top = np.array([1.0, 1.3, 2.0]), np.array([-1.01, -0.83, -0.41]), np.array([1.02, 0.77, 1.31])
-    restitution = np.sort(rng.uniform(0.675, 1.05, (3, 60)), axis=1)
+    restitution = np.sort(rng.uniform(0.675, BEYOND, (3, 60)), axis=1)
     restitution[0, 20], restitution[2, 50] = 0.85 * 0.93, 0.95 * 0.93
     log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * rng.random((3, 60))
     weight = (top - bottom)[:, np.newaxis] / 60 * rng.uniform(0.5, 2.0, (3, 60))
@@ -245,7 +245,7 @@ def of_nominal(spectrum, place, nominal, rotation=np.inf):
     inside, variance = lane_by_lane(spectrum, place, least, min(most, 1.0), rotation)
     if over == 0.0:
         return inside, variance
-    at_one, its_variance = lane_by_lane(spectrum, place, 1.0, 1.05, rotation)
+    at_one, its_variance = lane_by_lane(spectrum, place, 1.0, BEYOND, rotation)
     return (1.0 - over) * inside + over * at_one, (1.0 - over) ** 2 * variance + over**2 * its_variance
 
 
