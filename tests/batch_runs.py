@@ -51,11 +51,11 @@ def planned(paths, analysis, survey=surveyed):
     return tasks_of([*plan.planned], [*located], analysis.config, analysis.name), plan
 
 
-def four_records(folder):
-    """The folder with three records that are worked on, r0 to r2, and another one."""
+def four_records(folder, longer=0):
+    """The folder with three records that are worked on, r0 to r2, and another one, each by some samples longer."""
     for number, name in enumerate(("r0", "r1", "r2", "other")):
         title = f"Event {number}, 1/2/2003, Station {number}, 090"
-        (folder / f"{name}.AT2").write_bytes(at2(pulse(400, 0.25 + 0.1 * number), title=title))
+        (folder / f"{name}.AT2").write_bytes(at2(pulse(400 + longer * number, 0.25 + 0.1 * number), title=title))
     return folder
 
 

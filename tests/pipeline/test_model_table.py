@@ -139,15 +139,6 @@ def test_models_that_are_not_searched_have_no_factor(intervals, searched):
     assert {ALL_MODELS[row] for row in tree["overturning_intervals"]["model_index"].values} <= {*searched}
 
 
-def test_a_record_without_a_sequence_has_no_factors_of_the_sequences():
-    one = scene(np.concatenate((np.zeros(50), 0.5 * np.sin(np.linspace(0.0, np.pi, 50)), np.zeros(20))))
-    assert one.sequence is None
-    found = {name: MODELS[name].intervals(BLOCKS, one).safety_factor for name in ALL_MODELS}
-    assert np.all(np.isnan(found["sequence"]))
-    assert np.all(np.isnan(found["resonance"]))
-    assert not np.any(np.isnan(found["nonlinear"]))
-
-
 def with_free_flight(strength, up):
     """A motion and a short vertical acceleration: beyond -g of it is free flight."""
     vertical = np.where((T > 4.8) & (T < 5.1), up * np.sin(np.pi * (T - 4.8) / 0.3), 0.0)

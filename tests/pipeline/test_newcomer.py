@@ -36,12 +36,6 @@ def test_studies_take_paths_of_records_configurations_results_and_hazards(golden
     assert rp.report(golden.results, config=golden.config).name == "report.html"
 
 
-def test_a_record_has_its_own_sequence(ccc):
-    record = ccc[0]
-    sequence = rp.record_sequence(rp.half_waves(record), phase=rp.intense_phase(record))
-    assert sequence.main > sequence.secondary > 0.0
-
-
 @pytest.mark.parametrize(
     ("typed", "meant"),
     [("Assess", "assess"), ("overturning_spectra", "overturning_spectrum")],

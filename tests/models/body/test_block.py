@@ -142,11 +142,6 @@ def test_bad_fields_are_named(name, value):
         Block(**{"half_width": 0.5, "half_height": 2.0, name: value})
 
 
-def test_housners_restitution_of_a_squat_block_is_refused():
-    with pytest.raises(ValueError, match=r"slenderness of 0\.707"):
-        Block(half_width=0.5, half_height=0.3)
-
-
 @pytest.mark.parametrize(
     ("p", "alpha", "message"),
     [(0.0, 0.2, "p: "), (1.0, 0.0, "alpha: "), (1.0, 0.5 * np.pi, "radians"), (1.0, 1.6, "radians")],

@@ -101,17 +101,9 @@ def test_what_may_be_zero(kind, name):
 
 
 def test_a_tie_acts_on_one_side_or_on_both_and_a_thrust_has_a_force():
-    assert [Tie(1.0, 1.0, side=one).side for one in ("positive", "negative", "both")] == [
-        "positive",
-        "negative",
-        "both",
-    ]
-    assert (Tie(1.0, 1.0).side, Tie(1.0, 1.0).gap, Tie(1.0, 1.0).distance, Thrust(1, 1.0).distance) == (
-        "positive",
-        0,
-        0,
-        0,
-    )
+    sides, plain = ["positive", "negative", "both"], Tie(1.0, 1.0)
+    assert [Tie(1.0, 1.0, side=one).side for one in sides] == sides
+    assert (plain.side, plain.gap, plain.distance, Thrust(1, 1.0).distance) == ("positive", 0, 0, 0)
     with pytest.raises(ValueError, match="tie side"):
         Tie(1.0, 1.0, side="left")
     for force in (math.nan, math.inf, [1.0]):

@@ -60,12 +60,6 @@ def test_free_decay_never_ends_without_losses_or_beyond_the_critical_velocity():
     assert motion.free_decay_time(1.0, 0.5) == np.inf
 
 
-def test_half_cycle_of_the_stabilised_motion():  # V7 (D)
-    peak, duration = motion.hop(0.75)
-    assert peak == pytest.approx(0.338562, abs=5e-7)
-    assert duration == pytest.approx(1.945910, abs=5e-7)
-
-
 def test_tiny_hop_keeps_its_digits():
     peak, duration = motion.hop(1e-9)
     assert peak == pytest.approx(5e-19, rel=1e-12)
@@ -242,12 +236,6 @@ def test_beyond_the_critical_velocity_the_smaller_of_two_roots_is_the_motion(spa
         < landing(1.005, secondary, total * 0.999, count, spacing)
     )
     assert corrected_duration(1.4, secondary, count, spacing) == np.inf
-
-
-@pytest.mark.parametrize("spacing", CASES)
-def test_without_secondary_impulses_it_is_the_natural_half_cycle(spacing):
-    assert corrected_duration(0.75, 0.0, 2, spacing) == pytest.approx(2.0 * np.arctanh(0.75), rel=1e-15)
-    assert corrected_duration(1.0, 0.0, 2, spacing) == np.inf
 
 
 def test_start_comes_back_from_any_velocity_below_one_plus_the_first_push():

@@ -103,16 +103,6 @@ def test_closed_form_agrees_with_the_recurrence(main, restitution):
         assert overturning_half_cycle(main, restitution) == expected
 
 
-@pytest.mark.parametrize("half_cycle", [1, 2, 3, 8, 20])
-@pytest.mark.parametrize("restitution", [0.0, 0.6, 0.9, 0.9765625, 1.0])
-def test_critical_impulse_overturns_in_its_half_cycle_and_no_smaller_one_does(half_cycle, restitution):
-    body = block(4.0, restitution)
-    critical = critical_impulse(body, half_cycle)
-    if restitution > 0.0:
-        assert resonance(body, critical, half_cycle).overturning_half_cycle == half_cycle
-    assert resonance(body, critical * (1.0 - 1e-9), half_cycle).outcome == Outcome.ROCKS
-
-
 def test_stabilised_motion_of_v7():  # V7 (D)
     body = block(2.0, 0.6)
     response = resonance(body, 0.3 * body.critical_impulse, 200)

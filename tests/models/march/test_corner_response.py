@@ -8,7 +8,6 @@ from recorded_cases import synthetic
 
 from rocking import Load, Outcome, OverturningSpectrum, Thrust, Tie, critical_scale, recorded_response, static_capacity
 from rocking.body.block import Block
-from rocking.body.limits import sorrentino
 from rocking.march.corner_response import uplift_additions
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
@@ -16,12 +15,6 @@ from rocking.spectrum.slender_lanes import spectrum_lanes
 
 G = 9.81
 STILL = np.zeros(2)
-
-
-@pytest.mark.parametrize(("slenderness", "rebound"), [(4, 0.3423), (8, 0.4552), (12, 0.4796)])
-def test_the_rebound_of_the_convention(slenderness, rebound):
-    assert sorrentino(math.atan(1.0 / slenderness)) == pytest.approx(rebound, abs=5e-5)
-    assert Block(width=1.0, height=float(slenderness), one_sided=True).restitution == pytest.approx(rebound, abs=5e-5)
 
 
 @pytest.mark.parametrize("rebound", [0.3, 0.6, 0.9])

@@ -35,17 +35,6 @@ def wall():
     return Block(half_width=0.5, half_height=math.sqrt(3.75), restitution=0.9, gravity=G)
 
 
-@pytest.mark.parametrize("half_cycle", [1, 2, 5])
-def test_resonance_within_1e_12_of_critical(wall, half_cycle):
-    """V6's formula at its jump: the sequence of just so many impulses overturns above, and rocks below."""
-    critical = critical_impulse(wall, half_cycle)
-    below = resonance(wall, critical * (1.0 - NEAR), half_cycle)
-    above = resonance(wall, critical * (1.0 + NEAR), half_cycle)
-    assert below.outcome == Outcome.ROCKS
-    assert below.peak_rotation_ratio == pytest.approx(1.0 - math.sqrt(2.0 * NEAR), abs=1e-9)
-    assert (above.outcome, above.overturning_half_cycle) == (Outcome.OVERTURNS, half_cycle)
-
-
 def test_resonance_within_1e_12_of_the_limit_that_never_overturns(wall):
     """u_1 = 1 - C is the limit; above it u_i = (1 + 1e-12)(1 - C^i) passes 1 late, and 1 is known to a tolerance."""
     limit = (1.0 - wall.restitution) * wall.critical_impulse

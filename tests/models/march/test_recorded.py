@@ -43,18 +43,6 @@ def test_free_decay_peaks_and_their_total_time():  # VALIDATION V12 (D)
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
-def test_uplift_is_strictly_above_the_threshold_and_away_from_the_push(equation):
-    block = Block.from_parameters(p=2.0, alpha=0.25, restitution=0.9, gravity=8.0)  # powers of two: exact thresholds
-    threshold = 8.0 * (0.25 if equation == "linear" else np.tan(0.25))
-    at = recorded_response(block, np.full(50, threshold), 0.01, equation)
-    above = recorded_response(block, np.full(50, threshold * (1.0 + 1e-12)), 0.01, equation)
-    assert (at.outcome, at.peak_rotation_ratio, at.impacts) == (Outcome.AT_REST, 0.0, 0)
-    assert above.outcome == Outcome.ROCKS
-    pushed = recorded_response(block, np.full(20, -1.2 * threshold), 0.01, equation, history=True)
-    assert np.all(pushed.rotation[1:] > 0.0)
-
-
-@pytest.mark.parametrize("equation", EQUATIONS)
 def test_threshold_of_any_block_is_not_passed_by_rounding(equation):
     half_widths = np.linspace(0.1, 1.5, 40)
     blocks = Block(half_width=half_widths, half_height=2.5)
@@ -92,20 +80,15 @@ def test_scale_acts_on_the_vertical_as_well():
 def test_free_flight_on_the_very_last_sample_is_seen():
     lift = np.zeros(20)
     lift[-1] = -1.01 * G
-    assert recorded_response(block_a(), np.zeros(20), 0.01, vertical=lift).reason == Reason.FREE_FLIGHT
+    response = recorded_response(block_a(), np.zeros(20), 0.01, vertical=lift)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.FREE_FLIGHT)
+    assert response.impacts == -1
 
 
 def test_linear_block_beyond_return_overturns_at_once():
     block = block_b()
     response = recorded_response(block, np.zeros(20), 0.01, "linear", initial_rotation=3.0 * block.alpha_c)
     assert (response.outcome, response.overturning_time, response.overturning_half_cycle) == (Outcome.OVERTURNS, 0.0, 1)
-
-
-def test_vertical_acceleration_that_cancels_gravity_is_unresolved():
-    record = np.full(20, 0.5)
-    response = recorded_response(block_a(), record, 0.01, vertical=np.linspace(0.0, -12.0, 20))
-    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.FREE_FLIGHT)
-    assert response.impacts == -1
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)

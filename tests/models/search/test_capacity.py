@@ -206,20 +206,6 @@ def test_a_record_of_zeros_lifts_nothing():
     assert np.all(found.safe_up_to == 10.0)
 
 
-@pytest.mark.sweep
-def test_a_vertical_acceleration_upwards_is_gravity():  # V21: constant a_v, scaled with the record
-    some, record = blocks(5), 3.0 * motion(5)
-    heavier = critical_scale(some, record, DT, vertical=np.full(record.size, 2.0))
-    first = heavier.safety_factor
-    assert np.all(np.isfinite(first))
-    for lane in range(5):
-        g = some.gravity + 2.0 * first[lane]
-        p = some.p[lane] * np.sqrt(g / some.gravity)
-        alone = Block.from_parameters(p, some.alpha_c[lane], 0.9, gravity=g)
-        for share, outcome in ((1.0, Outcome.OVERTURNS), (1.0 - 3e-6, Outcome.ROCKS)):
-            assert recorded_response(alone, record, DT, scale=share * first[lane]).outcome == outcome
-
-
 def test_free_flight_is_not_called_safe():
     record, up = 0.1 * motion(6), np.zeros(1200)
     up[500] = -3.0  # cancels gravity from a factor of 3.27

@@ -274,16 +274,6 @@ def test_a_poor_guess_costs_lanes_and_no_more(guess):
     assert found.factor_50[0] == pytest.approx(plain.factor_50[0], rel=0.08)
 
 
-def test_a_record_of_zeros_leaves_the_body_at_rest():
-    found = overturning_probability(WALL, np.zeros(50), DT)
-    assert found.at_one.tolist() == found.at_one_high.tolist() == [0.0]
-    for name in FACTORS:
-        assert getattr(found, name).tolist() == [np.inf]
-        assert getattr(found, f"{name}_low").tolist() == [10.0]
-    assert np.all(found.probability == 0.0)
-    assert found.unresolved.tolist() == [0.0]
-
-
 def test_a_body_that_no_draw_lifts_stays():
     """Four standard deviations below the uplift of the weakest draw, 9.8 tan(alpha) = 2.45 times this record."""
     known = Uncertainty(geometry=0.0)

@@ -8,8 +8,6 @@ from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale, overturning_probability
 from rocking.spectrum.overturning import (
-    INTERPOLATION,
-    TWO_SIDED,
     OverturningFactors,
     covered,
     covered_range,
@@ -102,37 +100,6 @@ def test_a_bouncier_block_and_a_lower_limit_state_take_more(spectrum):
     assert np.all(np.diff(of_overturning, axis=1) > 0.0)
     assert np.all(spectrum.spectrum([0.85], rotation=0.1) > spectrum.spectrum([0.85], rotation=1.0))
     assert np.all(spectrum.spectrum([0.85], rotation=1.0) >= spectrum.spectrum([0.85]))
-
-
-def test_probability_goes_from_zero_to_one(spectrum):
-    found = spectrum.probability([0.9])
-    assert np.all((found >= 0.0) & (found <= 1.0))
-    assert found[..., 0] == pytest.approx(0.0, abs=1e-6)
-    assert found[..., -1] == pytest.approx(1.0, abs=1e-6)
-
-
-def test_a_wider_uncertainty_has_an_earlier_ten_percent():
-    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.95, log=False)
-    lanes = spectrum_lanes(MOTION, DT, P)
-    narrow, wide = (OverturningSpectrum(lanes, Uncertainty(factor=one)).factors(block) for one in (0.05, 0.3))
-    assert wide.factor_10 < narrow.factor_10
-    assert wide.factor_50_low < wide.factor_50 < wide.factor_50_high
-
-
-def test_a_block_that_loses_less_in_an_impact_overturns_at_smaller_factors(spectrum):
-    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
-    dull, lively = (
-        OverturningSpectrum(spectrum.lanes, Uncertainty(restitution=ends)).factors(block)
-        for ends in ((0.9, 1.0), (1.0, 1.1))
-    )
-    assert lively.factor_mean < dull.factor_mean
-
-
-def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
-    read = spectrum.factors(Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False))
-    for name in ("factor_10", "factor_50", "factor_mean"):
-        value, low, high = (getattr(read, name + end)[0] for end in ("", "_low", "_high"))
-        assert min(math.log(value / low), math.log(high / value)) >= TWO_SIDED * INTERPOLATION * (1.0 - 1e-9)
 
 
 def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):

@@ -162,20 +162,6 @@ def test_the_crossing_is_linear_in_the_logarithm_of_each_row():
     assert factor_at(0.5, level, rows) == pytest.approx(np.array([expected]), rel=1e-12)
 
 
-@pytest.mark.parametrize("share", [0.05, 0.1, 0.5, 0.9])
-@pytest.mark.parametrize("spread", [0.1, 0.4])
-def test_crossings_of_a_lognormal_capacity_are_its_quantiles(share, spread):
-    """The error of a straight line over a step h is at most h^2/8 abs(P''/P'), here 5e-5 abs(z)/spread."""
-    found = factor_at(share, LEVELS, norm.cdf(np.log(LEVELS / 1.7) / spread))
-    error = 5e-5 * abs(norm.ppf(share)) / spread + 1e-4
-    assert math.log(found) == pytest.approx(math.log(1.7) + spread * norm.ppf(share), abs=error)
-
-
-@pytest.mark.parametrize("spread", [0.1, 0.4])
-def test_mean_capacity_of_a_lognormal_is_its_median(spread):
-    assert mean_capacity(LEVELS, norm.cdf(np.log(LEVELS / 1.7) / spread)) == pytest.approx(1.7, rel=1e-6)
-
-
 @pytest.mark.parametrize(("probability", "mean"), [([0.0, 0.0, 1.0], 4.0), ([0.0, 1.0, 1.0], 2.0**0.5)])
 def test_mean_capacity_of_one_step_is_the_middle_of_its_levels(probability, mean):
     assert mean_capacity(np.array([1.0, 2.0, 8.0]), np.array(probability)) == pytest.approx(mean, rel=1e-12)

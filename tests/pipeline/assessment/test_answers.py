@@ -62,12 +62,6 @@ def test_margins_are_those_of_the_motions_taken_one_by_one(seed):
             assert np.nanmin(factors[rows[margin.place]]) == margin.smallest
 
 
-@pytest.mark.parametrize(("factors", "median"), [([1.0, NAN, 4.0], 2.5), ([INF, INF, 3.0], INF)])
-def test_a_median_is_that_of_the_known_factors(factors, median):
-    (margin,) = answers(summary_of(factors)).margins()
-    assert margin.median == median
-
-
 @pytest.mark.parametrize("factors", [[], [NAN, NAN]])
 def test_without_a_known_factor_there_is_no_margin(factors):
     (margin,) = answers(summary_of(factors)).margins()
@@ -234,13 +228,6 @@ PAIRS = Motions(["x", "y", "z"], INDEX, ["a", "b", "a"], "pair")
 )
 def test_earthquakes_that_are_known_are_counted_or_one(events, count):
     assert Motions(["x"] * len(events), np.zeros((len(events), 1), int), events, "record").event_count == count
-
-
-def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():
-    values = np.array([[0.2, NAN, NAN], [0.6, 0.5, NAN], [0.4, 0.1, NAN]])
-    expected = np.array([[0.3, 0.1, NAN], [0.6, 0.5, NAN]])
-    assert PAIRS.of_earthquakes(values) == pytest.approx(expected, nan_ok=True)
-    assert PAIRS.of_earthquakes(values[:, 1]) == pytest.approx(expected[:, 1])
 
 
 def test_a_motion_overturns_in_any_of_its_directions_but_not_in_one_that_was_not_assessed():

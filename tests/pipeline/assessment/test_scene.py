@@ -37,14 +37,6 @@ def test_without_a_vertical_nothing_is_told_and_both_are_conditioned_alike():
     assert scene_of_record(RECORD, linear).vertical is None
 
 
-def test_a_record_with_too_few_half_waves_has_no_sequence():
-    push = rp.Record(np.append([0.0, 1.0, 2.0, 1.0], np.zeros(50)), dt=0.1, id="push", processed=True)
-    scene = extract(push, CONFIG)
-    assert scene.sequence is None
-    assert "no_sequence" in codes(scene.record)
-    assert extract(RECORD, CONFIG).sequence is not None
-
-
 @pytest.mark.parametrize(("method", "rule"), [("rule", "conservative"), ("statistics", "")])
 def test_the_rule_of_a_sequence_is_named(method, rule):
     asked = replace(CONFIG, sequence=replace(CONFIG.sequence, method=method))

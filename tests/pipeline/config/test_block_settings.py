@@ -75,14 +75,6 @@ def test_each_warning_is_logged_once_with_the_name_of_the_body(caplog):
     assert len(block.warnings) == 2
 
 
-def test_a_block_has_half_the_full_sizes_and_a_lane_for_each_restitution():
-    block = BlockSettings(name="a", width=1.0, height=4.0, restitution=[0.8, 0.9]).block()
-    assert block.shape == (2,)
-    assert block.half_width.tolist() == [0.5, 0.5]
-    assert block.half_height.tolist() == [2.0, 2.0]
-    assert block.restitution.tolist() == [0.8, 0.9]
-
-
 def test_block_option_may_hold_an_equals_sign_in_its_name():
     assert parse_block_option("wall=2=0.3X2.4") == BlockSettings(name="wall=2", width=0.3, height=2.4)
 

@@ -154,10 +154,3 @@ def test_records_and_a_configuration_are_asked_for_in_words(question):
         question([SHAKING, "a folder"], bodies=sizes)
     with pytest.raises(ConfigError, match=r"found 3$"):
         question([SHAKING, 3], Config(), bodies=sizes)
-
-
-@pytest.mark.sweep
-def test_one_record_and_sizes_are_enough_for_an_assessment():
-    tree = assess(SHAKING, bodies={"wall": (0.25, 2.2), "chest": (1.0, 1.2)})
-    assert tree["summary"]["record"].values.tolist() == ["sine"]
-    assert tree["summary"]["width"].values.tolist() == [0.25, 1.0]

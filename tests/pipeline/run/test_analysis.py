@@ -82,11 +82,6 @@ def test_every_motion_gives_a_part_with_its_earthquake_or_a_row_and_the_bar_sees
     assert [row.reason for row in found["failures"][2:]] == ["odd: no number", "weak is weak"]
 
 
-def test_the_order_of_the_records_counts_only_where_the_analysis_says_so(monkeypatch):
-    monkeypatch.setattr(Largest, "in_order_of_ids", False)
-    assert run(Largest(Config()), RECORDS).attrs["planned"] == ["weak", "odd", "b", "a"]
-
-
 def test_a_channel_that_cannot_be_conditioned_is_a_row_of_the_analysis():
     config = Config(conditioning=ConditioningSettings(lowpass_hz=80.0))  # above the Nyquist frequency
     (row,) = run(Largest(config), RECORDS[2:3]).attrs["failures"]
@@ -169,8 +164,3 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     assert failure_rows(xr.DataTree.from_dict({"/failures": failure_table([left])})) == [left]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
     assert len(seen(pair(40.0, 10.0), **swept)[0]) == 4
-
-
-def test_two_records_of_one_id_are_refused():
-    with pytest.raises(ConfigError, match="more than one record with id a"):
-        run(Largest(Config()), [RECORDS[3], RECORDS[3]])

@@ -4,11 +4,11 @@ import signal
 from dataclasses import replace
 
 import pytest
-from batch_runs import CONFIG
+from batch_runs import CONFIG, four_records
 from file_contents import assert_contents, contents
 from killed_run import in_a_fork
 from killed_run import run as killed_at
-from record_writers import at2, pulse
+from record_writers import pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
@@ -34,10 +34,7 @@ FULL = replace(
 def folder(tmp_path):
     """Four records of different lengths: records that could be copies of each other are compared with each other."""
     (tmp_path / "records").mkdir()
-    for number, name in enumerate(("r0", "r1", "r2", "other")):
-        content = at2(pulse(400 + 40 * number, 0.25 + 0.1 * number), title=f"Event {number}, 1/2/2003, Station, 090")
-        (tmp_path / "records" / f"{name}.AT2").write_bytes(content)
-    return tmp_path / "records"
+    return four_records(tmp_path / "records", longer=40)
 
 
 def appending(told=None, **more):

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from batch_runs import records_in
 from file_contents import assert_contents, contents
 from killed_run import in_a_fork, run
 from record_writers import at2, pulse
@@ -19,28 +20,13 @@ from rockpulse.cli import main
 from rockpulse.run.journal import journal_path
 
 TESTS = Path(__file__).parents[2]
-RECORDS = 6
-CONFIGURATION = """
-[models]
-use = ["resonance"]
-[search]
-models = ["resonance"]
-[[block]]
-name = "wall"
-width = 0.4
-height = 3.0
-"""
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Six good records, a damaged one, and a configuration."""
-    folder = tmp_path_factory.mktemp("killed")
-    for number in range(RECORDS):
-        peak = 0.2 + 0.05 * number
-        (folder / f"r{number}.at2").write_bytes(at2(pulse(400, peak), title=f"Event, 1/2/2003, Station {number}, 090"))
+    folder = records_in(tmp_path_factory.mktemp("killed"), 6)
     (folder / "cut.at2").write_bytes(at2(pulse(400, 0.3), title="Event, 1/2/2003, Cut, 090")[:900])
-    (folder / "site.toml").write_text(CONFIGURATION)
     return folder
 
 
@@ -159,13 +145,8 @@ def faults(tmp_path_factory):
 @pytest.fixture
 def ten_records(tmp_path):
     """A folder of ten records and a configuration."""
-    records = tmp_path / "records"
-    records.mkdir()
-    for number in range(10):
-        title = f"Event, 1/2/2003, Station {number}, 090"
-        (records / f"r{number}.at2").write_bytes(at2(pulse(400, 0.2 + 0.03 * number), title=title))
-    (records / "site.toml").write_text(CONFIGURATION)
-    return records
+    (tmp_path / "records").mkdir()
+    return records_in(tmp_path / "records", 10)
 
 
 @pytest.mark.parametrize(

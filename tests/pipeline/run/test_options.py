@@ -87,17 +87,23 @@ def test_resuming_on_the_wrong_files_loses_nothing(stopped, tmp_path, monkeypatc
 
 @pytest.mark.sweep
 def test_resuming_what_never_began_begins_it(folder, tmp_path, capsys):
-    target = tmp_path / "results.h5"
-    assert command(folder, target, "--resume") == 0
+    mine, target = shutil.copytree(folder, tmp_path / "mine"), tmp_path / "results.h5"
+    assert command(mine, target, "--resume") == 0
     assert "0 of 4 records were finished before\n" in capsys.readouterr().err
     assert len(contents(target)["summary/record"]["values"]) == RECORDS
     written = target.read_bytes()
-    assert command(folder, target, "--resume") == 0
+    assert command(mine, target, "--resume") == 0
     assert "results.h5: the run was already complete; nothing was left to do" in capsys.readouterr().err
+    for change in (
+        lambda: (mine / "site.toml").write_text(CONFIGURATION.replace("Test", "Elsewhere")),
+        lambda: (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5")),
+        lambda: (mine / "site.toml").write_text(CONFIGURATION) and (mine / "r1.AT2").unlink(),
+    ):
+        change()
+        assert command(mine, target, "--resume") == 2
+        assert "results.h5: the file exists" in capsys.readouterr().err
     assert target.read_bytes() == written
-    assert command(folder, target, "--resume", "--block", "other=0.5x3") == 2
-    assert "results.h5: the file exists" in capsys.readouterr().err
-    assert names(tmp_path) == ["results.h5"]
+    assert names(tmp_path) == ["mine", "results.h5"]
 
 
 def test_a_log_goes_to_the_end_of_no_other_file(folder, tmp_path, capsys):
@@ -145,14 +151,17 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
         assert journal.finished() == {}
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeypatch, capsys):
+    """Arrays of another shape, of two bodies in place of one, are no damage."""
     mine, target = stopped
-    (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
+    (mine / "site.toml").write_text(CONFIGURATION + '[[block]]\nname = "wide"\nwidth = 0.5\nheight = 3.0\n')
     keys = redone(monkeypatch)
     assert command(mine, target, "--resume") == 0
     changed = "2 are processed again, because they, the options or the version of rockpulse have changed\n"
-    assert f"0 of {RECORDS} records were finished before; {changed}" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"0 of {RECORDS} records were finished before; {changed}" in said
+    assert "damaged" not in said
     assert len(keys) == RECORDS
     assert command(mine, target.with_name("fresh.h5"), "--quiet") == 0
     assert_contents(target, contents(target.with_name("fresh.h5")))

@@ -35,12 +35,6 @@ def planned(paths, options=None, analysis=Assessment):
     return batch_runs.planned(paths, analysis(options or config()), surveyed_once if paths == SAMPLES else surveyed)
 
 
-def test_a_task_is_small(samples):
-    first, *others = planned(samples, config(**SWEEP))[0]
-    assert len(first.pattern) < 8000
-    assert all(len(one.content) < 0.5 * len(first.pattern) for one in others)
-
-
 @pytest.mark.sweep
 def test_a_record_of_many_takes_few_bytes_until_its_results(tmp_path):
     for number in range(100):
@@ -51,6 +45,7 @@ def test_a_record_of_many_takes_few_bytes_until_its_results(tmp_path):
     tasks = tasks_of(planned, located, config(), "assess")
     assert (planned, located) == ([], [])  # what is not packed is gone
     assert len({id(task.pattern) for task in tasks}) == 1
+    assert len(tasks[0].pattern) < 8000
     assert sum(len(task.content) for task in tasks) < 400 * len(tasks)
 
 

@@ -8,7 +8,7 @@ from batch_runs import CONFIG, SITE, bar_of, four_records, without_results
 from file_contents import contents
 
 import rockpulse as rp
-from rockpulse import BlockSettings, SiteSettings
+from rockpulse import BlockSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all
@@ -72,31 +72,6 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
     assert (report.records, report.resumed, report.failures, report.broken_off) == (3, 1, [], 0)
     assert len(contents(output)["summary/record"]["values"]) == 3
     assert not journal_path(output).exists()
-
-
-@pytest.mark.sweep
-def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path, monkeypatch):
-    """As after a kill between the end of the journal and that of the process."""
-    paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
-    assess_files(paths, CONFIG, output, BatchOptions(workers=1))
-    written = output.read_bytes()
-
-    def done_again(*given):
-        raise AssertionError
-
-    resume = BatchOptions(workers=1, resume=True, tell=told.append)
-    with monkeypatch.context() as patch:
-        patch.setattr(run, "write_results", done_again)
-        patch.setattr(assessment, "extract", done_again)
-        report = assess_files(paths, CONFIG, output, resume)
-    assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
-    assert told == [f"{output}: the run was already complete; nothing was left to do"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["results.h5"]
-    wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
-    for asked in ((paths[:2], CONFIG), (paths, wider), (paths, replace(CONFIG, site=SiteSettings(name="other")))):
-        with pytest.raises(ResultsError, match="the file exists"):
-            assess_files(*asked, output, resume)
-    assert output.read_bytes() == written
 
 
 @pytest.mark.sweep

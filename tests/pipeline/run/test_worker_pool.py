@@ -88,14 +88,6 @@ def test_items_are_taken_a_few_ahead_only(pair):
     results.close()
 
 
-@pytest.mark.sweep
-def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
-    jobs = [(number, tmp_path) for number in range(5)]
-    answers = list(pair.run(toys.killed_once, jobs))
-    assert sorted(answers) == [(job, job[0]) for job in jobs]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3"]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("function", "reason"),

@@ -135,19 +135,6 @@ def test_the_continuous_limit_is_the_recurrence_in_closed_form(coarse):
                     assert case["half_cycle_count"].item() == count
 
 
-# VALIDATION V6 (derived, F2): half-cycle of overturning under the main sequence.
-@pytest.mark.parametrize(
-    ("c", "cycles"),
-    [(0.9, {0.3: 4, 0.2: 7, 0.15: 11, 0.12: 18, 0.11: 23, 0.0999: -1}), (0.6, {0.5: 4, 0.45: 5, 0.41: 8, 0.3: -1})],
-)
-def test_without_secondary_impulses_it_is_the_main_sequence(c, cycles):
-    ratios = sorted(cycles)
-    tree = figure4([c], ratios, secondary_ratios=[0.0], counts=[2, math.inf], p=[1.0], duration=500.0)[0]
-    found = tree["overturning_half_cycle"].sel(restitution=c, secondary_ratio=0.0, p=1.0)
-    for u1 in ratios:
-        assert set(found.sel(impulse_ratio=u1).values.ravel().tolist()) == {cycles[u1]}
-
-
 @pytest.mark.parametrize("name", ["A", "B"])
 @pytest.mark.parametrize("spacing", ["end", "middle", "start", "open"])
 def test_the_blocks_of_the_paper_give_the_dimensionless_curves(coarse, name, spacing):

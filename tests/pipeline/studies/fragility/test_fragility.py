@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ from rockpulse.record.rotation import rotate
 
 BLOCKS = {"wall": Block(0.6, 3.0), "pier": Block(1.0, 3.873)}
 STATES, LEVELS = ("uplift", 0.4, "overturning"), (0.4, 0.7, 1.2)
-SCHEMA = Path(__file__).parents[4] / "docs" / "schema.md"
 
 
 def pulse(number, event, size=2.0):
@@ -273,15 +271,6 @@ def test_weak_records_and_bad_ones_are_left_out_and_reported(records):
     failures = found["failures"].to_dataset().to_dataframe()
     assert sorted(failures["kind"]) == ["failed", "skipped"]
     assert failures["reason"].str.contains(re.escape("is below [fragility] pga_min = 1 m/s2")).sum() == 1
-
-
-def test_the_schema_names_every_variable(tree, records):
-    text = SCHEMA.read_text(encoding="utf-8").partition("## The fragility file")[2].partition("\n## ")[0]
-    cloud = rp.fragility(records[:2], options(data="cloud", limit_states=["uplift"]), BLOCKS)
-    for one in (tree, cloud):
-        for group in ("fragility", "capacities", "efficiency"):
-            for name in one[group].to_dataset().variables:
-                assert f"`{name}`" in text, (group, name)
 
 
 def test_limit_states_are_kept_in_the_order_of_severity():

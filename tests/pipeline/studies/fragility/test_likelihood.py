@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import CensoredData, logistic, norm
+from scipy.stats import logistic, norm
 
 from rockpulse.config.study_settings import MODELS
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, has_maximum, maximise, scores
@@ -66,16 +66,6 @@ def test_the_maximum_is_that_of_a_direct_search(model, seed):
     direct = minimize(minus, [0.0, -np.log(np.std(x))], method="Nelder-Mead", options=options)
     a, b = maximise(FAMILIES[model], np.stack([np.ones(x.size), x], axis=1), kind, np.ones((1, x.size)))[0]
     np.testing.assert_allclose([a, b], [direct.x[0], np.exp(direct.x[1])], rtol=1e-6, atol=1e-7)
-
-
-def test_a_truncated_analysis_is_the_censored_fit_of_scipy():
-    x = np.random.default_rng(3).normal(0.2, 0.7, 30)
-    limit = 0.5
-    kind = np.where(x > limit, ABOVE, EXACT)
-    x = np.minimum(x, limit)
-    a, b = maximise(FAMILIES["lognormal"], np.stack([np.ones(30), x], axis=1), kind, np.ones((1, 30)))[0]
-    mean, deviation = norm.fit(CensoredData.right_censored(x, x == limit))
-    np.testing.assert_allclose([-a / b, 1.0 / b], [mean, deviation], rtol=1e-4)  # as near as scipy's search goes
 
 
 @pytest.mark.parametrize("model", FAMILIES)

@@ -24,6 +24,16 @@ def line(median, scale):
     return -math.log(median) / scale, 1.0 / scale
 
 
+def brute(family, a, b, hazard, ends):
+    """The frequency between the ends, piece by piece by adaptive quadrature."""
+
+    def part(u):
+        return math.exp(family.log_cdf(np.array(a + b * u))[0] + hazard.log_density(np.array(u)))
+
+    pieces = itertools.pairwise(ends)
+    return sum(quad(part, low, high, epsabs=0.0, epsrel=1e-11, limit=400)[0] for low, high in pieces)
+
+
 @pytest.mark.parametrize("k", [1.0, 2.5, 4.0])
 @pytest.mark.parametrize("beta", [0.05, 0.4, 0.8, 1.5])
 def test_a_power_law_and_a_lognormal_fragility_have_a_closed_form(k, beta):
@@ -56,15 +66,9 @@ def test_a_tail_heavier_than_the_hazard_has_no_frequency():
 @pytest.mark.parametrize("scale", [0.03, 0.2, 0.5])
 def test_a_tabled_curve_agrees_with_another_quadrature(family, scale):
     curve = rp.HazardCurve("pga", [0.1, 0.5, 1.0, 3.0, 8.0], [0.1, 0.09, 5e-3, 2e-4, 4e-6])
-    a, b = line(1.3, scale)
     found = integrate(family, line(1.3, scale), curve).frequency
-
-    def part(u):
-        return math.exp(family.log_cdf(np.array(a + b * u))[0] + curve.log_density(np.array(u)))
-
     ends = np.unique([-30.0, *curve.knots, math.log(1.3), math.log(1.3) - 4 * scale, math.log(1.3) + 4 * scale, 15.0])
-    brute = sum(quad(part, low, high, epsabs=0.0, epsrel=1e-11, limit=400)[0] for low, high in itertools.pairwise(ends))
-    assert found == pytest.approx(brute, rel=1e-8)
+    assert found == pytest.approx(brute(family, *line(1.3, scale), curve, ends), rel=1e-8)
 
 
 def test_the_contributions_add_up_between_levels():
@@ -84,14 +88,9 @@ def test_the_contributions_add_up_between_levels():
 @pytest.mark.parametrize("scale", [0.2, 0.7])
 def test_below_a_floor_nothing_contributes(family, scale):
     law, floor = rp.PowerLawHazard(1e-4, 2.5), math.log(0.35)
-    a, b = line(0.6, scale)
     found = integrate(family, line(0.6, scale), law, floor=floor)
-
-    def part(u):
-        return math.exp(family.log_cdf(np.array(a + b * u))[0] + law.log_density(np.array(u)))
-
-    brute = sum(quad(part, *ends, epsabs=0.0, epsrel=1e-11)[0] for ends in ((floor, 0.0), (0.0, 3.0), (3.0, 25.0)))
-    assert found.frequency == pytest.approx(brute, rel=1e-8)
+    expected = brute(family, *line(0.6, scale), law, (floor, 0.0, 3.0, 25.0))
+    assert found.frequency == pytest.approx(expected, rel=1e-8)
     assert found.log_level.min() >= floor
 
 
@@ -101,13 +100,8 @@ def test_a_curve_that_hardly_falls_at_its_end_keeps_its_last_rate(family):
     flat = rp.HazardCurve("pga", [0.1, 1.0, 2.0, 4.0], [0.1, 1e-2, 1.0001e-3, 1e-3])
     a, b = line(0.6, 0.2 if family is NORMAL else 0.08)
     found = integrate(family, (a, b), flat, (math.log(4.0),))
-
-    def part(u):
-        return math.exp(family.log_cdf(np.array(a + b * u))[0] + flat.log_density(np.array(u)))
-
-    ends = (-8.0, *flat.knots)
-    brute = sum(quad(part, low, high, epsabs=0.0, epsrel=1e-11)[0] for low, high in itertools.pairwise(ends))
-    assert found.frequency == pytest.approx(brute + 1e-3, rel=1e-8)
+    expected = brute(family, a, b, flat, (-8.0, *flat.knots)) + 1e-3
+    assert found.frequency == pytest.approx(expected, rel=1e-8)
     assert found.between(math.log(4.0), math.inf) == pytest.approx(1e-3 / found.frequency, rel=1e-6)
     assert found.log_level.max() < 10.0
 
