@@ -17,11 +17,6 @@ def test_a_body_without_symmetry_is_the_triangle_of_its_corners_and_its_centre()
     assert math.isnan(body.height)
 
 
-def test_a_wall_stands_on_its_side():
-    assert Outline.of(Block(width=0.5, height=6.0, one_sided=True)).side == 1
-    assert Outline.of(Block(width=0.5, height=6.0)).side == 0
-
-
 def test_of_a_body_without_symmetry_things_act_behind_its_own_corners():
     """The right-hand corner is 0.3 and the left-hand one 0.2 beside the centre of mass."""
     ties = [Tie(height=0.8, stiffness=1e6, side="both", distance=0.1), Tie(height=0.7, stiffness=1e6, side="negative")]

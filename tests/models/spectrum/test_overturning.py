@@ -95,13 +95,6 @@ def test_time_and_size_stretched_together(spectrum):
     assert stretched / spectrum.spectrum([0.85, 0.95]) == pytest.approx(np.full((2, 2), 2.0), rel=ONE_LANE)
 
 
-def test_a_bouncier_block_and_a_lower_limit_state_take_more(spectrum):
-    of_overturning = spectrum.spectrum([0.75, 0.85, 0.95])
-    assert np.all(np.diff(of_overturning, axis=1) > 0.0)
-    assert np.all(spectrum.spectrum([0.85], rotation=0.1) > spectrum.spectrum([0.85], rotation=1.0))
-    assert np.all(spectrum.spectrum([0.85], rotation=1.0) >= spectrum.spectrum([0.85]))
-
-
 def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     blocks = Block.from_parameters(
         p=[1.6, 1.6, 3.0, 1.6], alpha=[0.1, 0.4, 0.1, 0.1], restitution=[0.9, 0.8, 0.9, 0.5], log=False

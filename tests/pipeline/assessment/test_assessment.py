@@ -35,13 +35,6 @@ def test_every_record_block_and_model_has_an_answer(tree):
     assert np.all(summary["outcome"] != Outcome.UNRESOLVED)
 
 
-def test_answers_are_those_of_the_model_called_directly(tree):
-    direct = recorded_response(Block(0.4, 3.0), motion(0), DT)
-    cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
-    assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
-    assert cell["impacts"].item() == direct.impacts
-
-
 def test_results_are_named_after_the_site(tree):
     assert tree.attrs["title"] == "Rocking response of rigid blocks to recorded ground motions"
     named = Config(bodies=(WALL,), models=rp.ModelSettings(use=("linear",)), site=rp.SiteSettings(name="Borgo"))
@@ -148,7 +141,8 @@ def test_histories_of_several_restitutions_stand_at_their_lanes():
         direct = recorded_response(Block(0.4, 3.0, restitution=restitution), motion(1, 1.5), DT, history=True)
         own = kept["rotation"].values[1200 * place : 1200 * (place + 1)]
         assert np.array_equal(own, direct.rotation, equal_nan=True)
-        assert summary["peak_rotation_ratio"].sel(block="wall").values[0, place, 0] == direct.peak_rotation_ratio
+        for name in ("peak_rotation_ratio", "impacts"):
+            assert summary[name].sel(block="wall").values[0, place, 0] == getattr(direct, name)
 
 
 @pytest.mark.sweep

@@ -14,7 +14,7 @@ from rockpulse.assessment.spectra import (
     rocking_spectrum,
     stored_spectrum_values,
 )
-from rockpulse.models import Block, Outcome, recorded_response
+from rockpulse.models import Block, recorded_response
 from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import LEVELS, ROTATIONS
 from synthetic import synthetic_motion
@@ -155,13 +155,6 @@ def test_the_vertical_acts_and_gravity_is_that_of_the_place():
     expected = recorded_response(block, SINE.acceleration, SINE.dt, vertical=up)
     assert found["peak_rotation_ratio"].sel(p=2.0, alpha_c=0.25).item() == expected.peak_rotation_ratio
     assert found.attrs == {"record": "one sine", "scale": 1.0, "gravity": 3.7}
-
-
-def test_blocks_rest_where_the_record_is_too_weak_to_lift_them():
-    spectrum = rocking_spectrum(SINE, CELL_P, CELL_ALPHA)
-    rest = np.max(np.abs(SINE.acceleration)) <= 9.80665 * np.tan(CELL_ALPHA)
-    assert np.array_equal((spectrum["outcome"] == Outcome.AT_REST).all("p"), rest)
-    assert rest.tolist() == [False, False, False, True]
 
 
 def test_a_factor_on_the_record_scales_it():

@@ -277,6 +277,12 @@ def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
         assert journal.parts("b") == (bytes(10_000_000),)
 
 
+def test_a_place_that_takes_no_journal_is_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(ResultsError, match=r"cannot write the journal of the run .*: Not a directory"):
+        Journal.open(tmp_path / "file" / "results.h5")
+
+
 ARRAYS = {
     "float": np.array([[1.5, np.nan], [-np.inf, -0.0]]),
     "scalar": np.array(3),

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -246,16 +246,6 @@ def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch
     monkeypatch.setattr(processes, "STARTS", 2)
     with pytest.raises(ChildProcessError, match=message), WorkerPool.local(1) as pool:
         list(pool.run(toys.square, [3]))
-
-
-def test_any_executor_will_do_and_stays_open():
-    with ThreadPoolExecutor(2) as executor:
-        with WorkerPool.through(executor) as pool:
-            assert pool.size >= 1
-            assert sorted(pool.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
-            with pytest.raises(KeyError, match="three"):
-                list(pool.run(toys.refuse, range(5)))
-        assert executor.submit(toys.square, 4).result() == 16
 
 
 def test_work_that_is_cancelled_from_outside_is_an_error():

@@ -33,26 +33,6 @@ def sequence(block, ratio, spacing, interval=0.5):
     return ImpulseSequence(main, ratio * main, interval, 20.0, spacing=spacing)
 
 
-# VALIDATION V3 (derived): I_2c [m/s] and time of the second impulse [s].
-@pytest.mark.parametrize(
-    ("block", "c", "impulse", "time"),
-    [
-        ("A", 0.9, 0.702507, 0.610045),
-        ("A", 0.6, 0.834228, 0.764511),
-        ("B", 0.9, 0.480892, 0.862735),
-        ("B", 0.6, 0.571059, 1.081182),
-    ],
-)
-def test_the_critical_impulse_and_its_timing(histories, block, c, impulse, time):
-    case = histories.sel(block=block, restitution=c)
-    assert case["main_impulse"].item() == pytest.approx(impulse, abs=1e-6)
-    assert case["second_impulse_time"].item() == pytest.approx(time, abs=1e-6)
-    alone = case.sel(secondary_ratio=0.0, spacing="end")
-    assert alone["overturning_half_cycle"].item() == 2
-    assert alone["overturning_time"].item() == pytest.approx(time, abs=1e-6)
-    assert alone["duration"].sel(half_cycle=1).item() == pytest.approx(time, abs=1e-6)
-
-
 # VALIDATION V1 (derived), V2 (I_1c) and V4 (published double impulse).
 def test_the_blocks_are_those_of_the_paper(histories):
     numbers = {
