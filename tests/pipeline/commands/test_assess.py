@@ -6,7 +6,7 @@ from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
 import pytest
-from assess_command import DT, STRONG, TIME, assess_words, configuration, values, write_at2
+from assess_command import DT, STRONG, assess_words, configuration, values, write_at2
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -96,31 +96,11 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
     assert len(values(target, "record")) == 1
 
 
-@pytest.mark.parametrize("name", ["notes.txt", "cut.AT2"])
-def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, name, assess):
-    captured = assess(folder / name, "-o", tmp_path / "results.h5", code=1)
-    assert "no record could be assessed; nothing was written" in captured.err
-    assert name in captured.err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_single_vertical_channel_is_why_nothing_is_written(tmp_path, assess):
     path = tmp_path / "hvps_UP.dat"
     path.write_text("".join(f"{0.01 * index:.2f} {np.sin(index):.4f}\n" for index in range(200)), encoding="ascii")
     said = assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", code=1).err
     assert "nothing was written: hvps_UP.UP: vertical channel; it was read but not assessed" in said
-
-
-@pytest.mark.sweep
-def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, assess):
-    path = tmp_path / "columns.csv"
-    np.savetxt(
-        path, np.column_stack([TIME, 9.80665 * STRONG]), fmt="%.6f", delimiter=",", header="time,acc", comments=""
-    )
-    out = assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", "--config", quick).out
-    peak = np.abs(STRONG - STRONG.mean()).max()
-    shown = float(re.search(r"^  \S*columns\S* +([0-9.]+) ", out, re.M)[1])
-    assert shown == pytest.approx(peak, abs=0.005)
 
 
 @pytest.mark.sweep

@@ -49,14 +49,6 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, run):
     run(*arguments, "--units", "stone", "--dt", "0.02", code=2)
 
 
-def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, run):
-    path = folder / "a!b" / "x.AT2"
-    path.parent.mkdir()
-    path.write_bytes((folder / "a.AT2").read_bytes())
-    assert "this is an input file" in run("convert", path, "-o", path, "--overwrite", code=2).err
-    assert path.read_bytes() == (folder / "a.AT2").read_bytes()
-
-
 def test_a_file_that_exists_is_replaced_where_allowed(folder, run):
     arguments = ["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--quiet"]
     run(*arguments)
@@ -74,16 +66,6 @@ def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsy
     (record,) = read(out, units="m/s2")
     assert abs(record.acceleration.mean()) < 1e-6
     assert record.npts == 39000
-
-
-def test_of_what_is_no_record_the_names_are_reported(samples, tmp_path, run):
-    (tmp_path / "a.v1").write_bytes((samples.parent / "formats" / "CLC_NEW.V1").read_bytes())
-    for number in range(8):
-        (tmp_path / f"note{number}.txt").write_text("nothing to read\n")
-    assert (
-        run("convert", tmp_path, "-o", tmp_path / "all.mseed").err
-        == f"not records: {', '.join(f'note{number}.txt' for number in range(8))}\n"
-    )
 
 
 def test_a_file_that_was_converted_as_advised_needs_no_option(tmp_path):

@@ -4,13 +4,9 @@ from rockpulse.cli import main
 from rockpulse.readers import FORMATS, UNITS
 
 
-def listed(capsys):
+def test_every_format_and_every_unit_is_listed_within_a_hundred_columns(capsys):
     assert main(["formats"]) == 0
-    return capsys.readouterr().out
-
-
-def test_every_format_and_every_unit_is_listed(capsys):
-    out = listed(capsys)
+    out = capsys.readouterr().out
     read, _, refused = out.partition("Recognised but not read")
     words = " ".join(read.split())
     rows = [row for row in FORMATS if row.unit != "-"]
@@ -25,7 +21,4 @@ def test_every_format_and_every_unit_is_listed(capsys):
         if row not in rows:
             assert f"{row.name} - {' '.join(row.what.split())}" in " ".join(refused.split())
     assert all(unit in out.splitlines()[-1] for unit in UNITS)
-
-
-def test_the_list_fits_a_terminal_of_a_hundred_columns(capsys):
-    assert max(map(len, listed(capsys).splitlines())) <= 100
+    assert max(map(len, out.splitlines())) <= 100

@@ -29,12 +29,6 @@ def test_the_overview_names_records_verdicts_and_what_was_left_out(results, run)
 
 
 @pytest.mark.sweep
-def test_one_record_and_one_block(results, run):
-    assert "secondary impulse I_s" in run("inspect", results, "--record", RECORDS[0]).out
-    assert "critical impulse I_1c" in run("inspect", results, "--block", "column").out
-
-
-@pytest.mark.sweep
 def test_record_block_and_failures_together(results, run):
     out = run("inspect", results, "--record", RECORDS[2], "--block", "cabinet", "--failures").out
     assert "interval dT" in out

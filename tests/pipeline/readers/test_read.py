@@ -13,31 +13,10 @@ from rockpulse.readers import FORMATS, read
 from rockpulse.readers.source import NotAcceleration, Unrecognised
 
 
-def write(folder, content: bytes, name: str):
-    path = folder / name
-    path.write_bytes(content)
-    return path
-
-
 def test_every_format_has_a_row_with_a_name_of_its_own():
     assert len({row.name for row in FORMATS}) == len(FORMATS)
     assert all(row.what and row.recognised and row.unit and row.processed for row in FORMATS)
     assert FORMATS[-1].name == "columns"  # the least specific comes last
-
-
-@pytest.mark.parametrize(
-    ("content", "name"),
-    [
-        (b"Dear reader,\nthis is no record.\n", "notes.txt"),
-        (bytes(range(256)) * 20, "noise.bin"),
-        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "plot.png"),
-        (b"<?xml version='1.0'?><a>1</a>\n", "a.xml"),
-        (b"In the end the answer was\n42\nand nobody asked\nfor a unit\n", "prose.txt"),
-    ],
-)
-def test_a_file_that_is_no_record_names_the_command_that_lists_the_formats(tmp_path, content, name):
-    with pytest.raises(Unrecognised, match=rf"{name}: no reader recognises the file; .* \('rockpulse formats' lists"):
-        read(write(tmp_path, content, name))
 
 
 def test_the_largest_sample_is_parsed_in_a_fraction_of_a_second(samples):

@@ -6,7 +6,6 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from rockpulse.readers.folders import read_all
 from rockpulse.record.components import (
     Neighbours,
     align,
@@ -177,14 +176,6 @@ def test_columns_without_a_partner_are_told_how_to_get_one(azimuth, words):
     assert words in row.reason
     assert "state which two files are a pair ([[records.pair]]), or put both directions into one file" in row.reason
     assert [(one.key, one.choices) for one in row.remedies] == [("pair", ())]
-
-
-def test_files_without_times_pair_by_station_code_too(samples):
-    records, _ = read_all([samples.parent / "formats" / f"clc_csmnc.{name}.dat" for name in ("EW", "NS", "UD")])
-    pairs, failures = find_pairs([record for record in records if record.orientation == "horizontal"])
-    assert [[channel.azimuth for channel in pair.channels] for pair in pairs] == [[90.0, 0.0]]
-    assert not failures
-    assert matching_vertical(pairs[0].first, [record for record in records if record.orientation == "vertical"])
 
 
 @pytest.mark.parametrize(("azimuth", "kept"), [(90.0, True), (np.nan, False)])

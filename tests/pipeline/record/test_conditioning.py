@@ -135,13 +135,6 @@ def test_velocity_that_does_not_come_back_is_a_warning_until_it_does():
     assert condition(motion).warnings == ()
 
 
-@pytest.mark.parametrize("offset", [0.0, 30.0])
-def test_pre_event_window_ends_at_the_onset_whatever_the_offset(offset):
-    note = condition(event(offset), baseline="pre-event").processing[0]
-    length = float(note.split(" s (detected)")[0].split()[-1])
-    assert 14.9 < length < 15.2
-
-
 def test_pre_event_window_of_raw_records_ends_before_the_shaking(ridgecrest):
     for motion in ridgecrest:
         conditioned = condition(motion)

@@ -170,31 +170,6 @@ def test_sampled_sine_has_the_impulse_of_its_chords():  # VALIDATION V16, D
     assert waves.centroid == pytest.approx(0.25 + 0.5 * np.arange(20), abs=1e-12)
 
 
-def test_sine_converges_to_its_half_wave_with_the_square_of_the_interval():  # VALIDATION V16, D
-    errors = []
-    for dt in (0.02, 0.01, 0.005):
-        time = dt * np.arange(round(2.0 / dt) + 1)
-        errors.append(1.0 / math.pi - half_waves(record(np.sin(2.0 * np.pi * time), dt)).impulse[0])
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
-    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.01)
-
-
-def test_partial_lobes_at_both_ends_count():
-    waves = half_waves(record([3.0, 3.0, -1.0, -1.0]))
-    assert waves.impulse == pytest.approx([3.0 + 0.5 * 3.0 * 0.75, -1.0 - 0.5 * 0.25])
-    assert (waves.start[0], waves.end[0], waves.start[1], waves.end[1]) == (0.0, 1.75, 1.75, 3.0)
-
-
-def test_touching_zero_does_not_end_a_lobe():
-    assert half_waves(record([2.0, 0.0, 2.0])).impulse.tolist() == [2.0]
-
-
-def test_stretch_at_zero_ends_a_lobe_and_belongs_to_none():
-    waves = half_waves(record([2.0, 0.0, 0.0, 2.0]))
-    assert waves.impulse.tolist() == [1.0, 1.0]
-    assert (waves.end[0], waves.start[1]) == (1.0, 2.0)
-
-
 def test_record_of_zeros_has_no_half_waves():
     waves = half_waves(record(np.zeros(50)), threshold=0.1, min_duration_s=0.1)
     assert len(waves) == 0

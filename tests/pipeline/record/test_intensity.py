@@ -123,10 +123,6 @@ def test_velocity_peaks_at_the_zero_crossing_inside_an_interval():
     assert pgv(record([-3.0, 1.0, 1.0, 1.0])) == pytest.approx(0.5 * 3.0 * 0.75)
 
 
-def test_velocity_of_a_sine_is_the_chords_half_wave():
-    assert pgv(sine(1.0, 4, amplitude=1.0)) == pytest.approx(0.01 / math.tan(0.01 * math.pi), rel=1e-12)
-
-
 def test_bracket_is_interpolated_at_both_ends():
     assert intense_phase(record([0.0, 4.0, 0.0, -2.0, 0.0]), "bracketed", level=1.0) == IntensePhase(0.25, 3.5)
 

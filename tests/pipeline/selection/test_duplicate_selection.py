@@ -49,16 +49,6 @@ def ids(source, *channels):
     return [f"{source}.{code}" for code in channels or ("0", "90", "Up")]
 
 
-def test_the_processed_record_is_used_and_the_raw_one_is_a_duplicate_with_its_vertical_channel():
-    raw, processed = recording("a.V1A"), recording("b.V2A", processed=True, dt=0.02, late=1.0, seconds=50.0)
-    assert chosen(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
-    told = reason(raw[0], processed[0])
-    assert told == (
-        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed record is preferred to "
-        "a raw one; [records] keep with this id assesses both"
-    )
-
-
 def test_the_surface_comes_before_the_depth_whatever_its_processing():
     deep = recording("a", processed=True, sensor_depth=100.0)
     shallow = recording("b", sensor_depth=0.5)
@@ -66,18 +56,6 @@ def test_the_surface_comes_before_the_depth_whatever_its_processing():
     assert "this one was recorded 100 m below the ground, the other at the surface" in reason(deep[0], shallow[0])
     deeper = channel(0.0, "c", sensor_depth=200.0)
     assert "200 m below the ground, the other nearer to the surface" in reason(deep[0], deeper)
-
-
-def test_the_sensor_at_the_bottom_of_a_borehole_of_kik_net_yields_to_the_one_above():
-    names = ("NS", "EW", "UD")
-    both = [
-        channel(azimuth, f"{name}{level}", channel=f"{name}{level}", id=f"{name}{level}")
-        for level in "12"
-        for name, azimuth in zip(names, (0.0, 90.0, NAN), strict=True)
-    ]
-    assert chosen(*both) == (["NS2", "EW2", "UD2"], dict.fromkeys(["NS1", "EW1", "UD1"], "depth"))
-    assert "at the bottom of a borehole, the other at the surface" in reason(both[0], both[3])
-    assert chosen(*both[:3]) == (["NS1", "EW1", "UD1"], {})
 
 
 @pytest.mark.parametrize(
@@ -235,13 +213,6 @@ def test_places_on_a_structure_are_motions_of_their_own():
     assert chosen(*records, settings=taken) == (["b.0", "c.0", "d.0"], {"a.0": "duplicate"})
     nowhere = [replace(one, component="0 Deg") for one in records[:2]]
     assert chosen(*nowhere, settings=taken)[1] == {}
-
-
-def test_kept_duplicates_are_assessed_in_addition_to_the_used_record():
-    raw, processed = recording("a"), recording("b", processed=True)
-    every = chosen(*raw, *processed, settings=RecordSettings(keep=("a.*",)))
-    assert every == ([*ids("a"), *ids("b")], {})
-    assert chosen(*raw, *processed, settings=RecordSettings(keep=("a.90",)))[1] == {"a.0": "duplicate"}
 
 
 def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():

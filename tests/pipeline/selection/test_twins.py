@@ -121,16 +121,6 @@ def test_components_of_one_instrument_far_apart_are_in_doubt(factor):
     assert seen(recording("a", north=4.0 * NORTH, late=1.0))[1] == []
 
 
-@pytest.mark.parametrize(("scale", "turned"), [(1.0, ""), (0.7, ""), (-1.0, " with the opposite sign")])
-def test_a_component_in_another_file_that_is_a_copy_is_told(scale, turned):
-    copied = np.round(scale * NORTH, 4)
-    pair = [replace(one, source=f"{one.id}.txt") for one in recording("a", east=copied)]
-    found, failed, _, warnings = seen(pair)
-    assert (found, failed) == (["a.E", "a.N"], [])
-    for other in "EN":
-        assert f"the samples are those of a.{other}{turned}: one of them is a copy" in warnings
-
-
 @pytest.mark.parametrize("timed", [True, False])
 def test_components_of_one_instrument_with_two_intervals_are_in_doubt(timed):
     """In files without times the event and the station show that they belong together."""

@@ -101,13 +101,6 @@ def test_several_channels_with_headings(write):
     assert records[2].acceleration == pytest.approx(3 * VALUES, rel=1e-12)
 
 
-@pytest.mark.parametrize(("width", "words"), [(4, "Rows of up to 4 numbers"), (5, "The values do not continue")])
-def test_rows_that_may_be_those_of_a_station_are_no_series(write, width, words):
-    rows = np.random.default_rng(1).normal(size=(width, 40))
-    with pytest.raises(RecordFormatError, match=rf"found {width} columns of numbers\. .* {words}"):
-        read(write(table(*rows)), units="g", dt=0.01)
-
-
 def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(write):
     noise = np.random.default_rng(3).normal(size=200)
     velocity = np.append(0.0, np.cumsum(0.005 * (noise[1:] + noise[:-1])))

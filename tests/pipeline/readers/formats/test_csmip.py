@@ -51,16 +51,6 @@ def test_the_fields_of_a_sample(samples):
     assert record.acceleration[:3] == pytest.approx(np.array([-1.1e-5, -1.1e-5, 1e-6]) * STANDARD_GRAVITY, rel=1e-12)
 
 
-def test_equally_spaced_pairs_in_tenths_of_g_keep_their_samples(write):
-    values = np.round(pulse(300, peak=2.5), 3)
-    (record,) = read(write(csmip_pairs(np.arange(300) * 0.005, values)))
-    assert record.dt == pytest.approx(0.005, rel=1e-12)
-    assert record.source_unit == "g/10"
-    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY / 10.0, rel=1e-12)
-    assert record.start_time == datetime(1994, 1, 17, 12, 31, 4, 100000, tzinfo=UTC)
-    assert record.warnings == ()
-
-
 def test_renadic_files_in_the_same_layout_are_left_to_their_own_reader():
     content = csmip_pairs([0.0, 0.01, 0.02], [0.1, 0.2, 0.3])
     chilean = content.replace(b"TEST EARTHQUAKE     JANUARY", b"UNIVERSIDAD DE CHILE - RENADIC")
@@ -206,7 +196,6 @@ ACCEL, STEP = b"   403 points of accel", b"accel data equally spaced at  "
         (lambda c: cut(c, 120), "TEST.V1:120: expected 51 rows of velocity .* found 22"),
         (lambda c: cut(c, 95) + c[len(cut(c, 96)) :], "TEST.V1:96: expected 51 rows of acceleration .*, found 50"),
         (lambda c: csmip_v2(MOTION, blocks="vd"), "TEST.V1:46: expected points .*, found velocity; re"),
-        (swapped(ACCEL, b"999999999999 points of accel"), "expected 125000000000 rows of acceleration"),
         (swapped(ACCEL, b"     0 points of accel"), "positive"),
         (swapped(b"   403 POINTS", b"   503 POINTS"), "TEST.V1:46: expected 503 points .* found a heading with 403"),
         (swapped(STEP + b".010", STEP + b".050"), "TEST.V1:46: expected an interval of 0.01 s .* with 0.05"),

@@ -1,6 +1,5 @@
 """miniSEED with StationXML beside it, or ArcLink or dataless SEED: synthesised and real files; what obspy says."""
 
-import os
 import re
 import shutil
 import threading
@@ -17,7 +16,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.formats.obspy_formats import _held_rate, is_miniseed
-from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, contradicts_channel, obspy_notes
+from rockpulse.readers.kit.obspy_bridge import obspy_notes
 from rockpulse.readers.source import NoRecord, NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -166,20 +165,6 @@ def write_stages(folder, poles, name="XX.ABC.xml"):
     inventory.write(str(folder / name), format="STATIONXML")
 
 
-def test_the_response_is_removed_where_asked_for(tmp_path):
-    write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
-    path = write_miniseed(tmp_path, trace())
-    (plain,), (removed,) = read(path), read(path, response="remove")
-    assert "instrument response removed, M/S**2 to m/s2" in removed.processing[0]
-    assert plain.processing == ()
-    # At the 2 Hz of the pulse the sensor is late by 3.3 ms.
-    velocity = np.gradient(plain.acceleration, plain.dt)
-    late = (plain.acceleration - plain.acceleration.mean()) + velocity / 300.0
-    inner = slice(20, -20)
-    assert removed.acceleration[inner] == pytest.approx(late[inner], abs=0.02 * plain.pga)
-    assert (removed.id, removed.azimuth, removed.processed) == (plain.id, 90.0, False)
-
-
 def test_two_responses_for_one_time_are_refused_where_they_matter(tmp_path):
     write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
     write_stages(tmp_path, [-900.0 + 900.0j, -900.0 - 900.0j], name="XX.ABC.other.xml")
@@ -213,42 +198,11 @@ def test_station_files_that_tell_different_things_are_refused_unless_one_has_the
     assert (record.azimuth, record.unit_factor) == (60.0, 1.0 / 2.0e5)
 
 
-def test_a_station_file_that_rockpulse_wrote_serves_the_record_of_its_name_only(tmp_path):
+def test_the_station_file_that_was_looked_in_is_named(tmp_path):
     path = write_miniseed(tmp_path, trace())
-    metadata = tmp_path / "XX.ABC.xml"
     write_station_xml(tmp_path, epoch(last="2019-06-01"))
     with pytest.raises(RecordRefused, match=r"\(looked in \S*XX.ABC.xml\); put the station's StationXML"):
         read(path)
-    write_station_xml(tmp_path, epoch())
-    described = re.sub("(<Channel.*?>)", rf"\1<Description>{next(iter(PROCESSED))}</Description>", metadata.read_text())
-    metadata.write_text(described)
-    with pytest.raises(RecordRefused, match=r"C.xml, which applies only to the miniSEED file of the same name\); put"):
-        read(path)
-    metadata.rename(tmp_path / "record.xml")
-    assert read(path)[0].processed is True
-
-
-def test_station_metadata_contradict_a_channel_by_what_it_tells_at_its_time(tmp_path):
-    import obspy
-
-    for name, corner in (("a.xml", 300.0), ("b.xml", 900.0)):
-        write_stages(tmp_path, [corner * (-1.0 + 1.0j), corner * (-1.0 - 1.0j)], name=name)
-    files = [("a.xml", (tmp_path / "a.xml").read_bytes())]
-    channel = obspy.read_inventory(str(tmp_path / "b.xml"))[0][0][0]
-    assert not contradicts_channel(files, "XX", "ABC", channel)  # other stages of the same sensitivity
-    channel.azimuth = 0.0
-    assert contradicts_channel(files, "XX", "ABC", channel)
-    assert not contradicts_channel(files, "XX", "DEF", channel)
-    channel.start_date, channel.end_date = obspy.UTCDateTime("2031-01-01"), None
-    assert not contradicts_channel(files, "XX", "ABC", channel)
-
-
-def test_what_is_printed_meanwhile_is_taken_and_what_comes_after_it_is_not(capfd):
-    with _standard_error(wanted=True) as lines:
-        os.write(2, b"a word of the library\n")
-    os.write(2, b"a word of ours\n")
-    assert lines == ["a word of the library"]
-    assert capfd.readouterr().err == "a word of ours\n"
 
 
 def test_a_gap_is_refused(tmp_path):

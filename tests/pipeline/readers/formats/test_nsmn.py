@@ -67,9 +67,7 @@ def without(line: int) -> bytes:
         (without(15), "test.txt:17: unknown unit of acceleration ''"),
         (nsmn(TABLE, count=4000), r"test.txt:418: expected 4000 rows \(header\), found 400"),
         (nsmn(TABLE, count="9" * 30), r"test.txt:13: expected 'NUMBER OF DATA : ' and a number above 0"),
-        (nsmn(TABLE, dt="-0.01"), r"test.txt:14: expected 'SAMPLING INTERVAL"),
         (nsmn(TABLE, dt="0"), r"test.txt:14: expected 'SAMPLING INTERVAL"),
-        (nsmn(TABLE)[:5000], r"expected 400 rows"),
         (nsmn(TABLE)[:400], "expected a line 'N-S  E-W  U-D' above the values"),
         (nsmn(TABLE).replace(b"0.000000\r\n", b"0.000000 1.0\r\n", 1), r"test.txt:19: expected a row of 3"),
         (

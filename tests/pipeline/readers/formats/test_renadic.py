@@ -1,7 +1,6 @@
 """RENADIC volume 1 (Chile): pairs, dead channels, parts of one record."""
 
 import hashlib
-import re
 from datetime import UTC, datetime
 
 import numpy as np
@@ -32,20 +31,6 @@ def put(folder, **files: bytes):
     for name, content in files.items():
         (folder / f"{name}.v1").write_bytes(content)
     return folder
-
-
-def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
-    records, failures = read_all(records_folder / "renadic" / "curico1002271parte1.v1")
-    assert failures == []
-    assert sorted(record.channel for record in records) == ["EW", "NS", "V"]
-    for record in records:
-        # All three times of peaks in the header are 20 s less than those of the samples.
-        stated, found = (float(text) for text in re.findall(r"at (\d+\.\d+) s", record.warnings[0]))
-        assert found - stated == pytest.approx(20.0)
-        assert record.warnings[1:] == (
-            "channel 4 (INTC) is dead, all samples are zero; it was left out",
-            "part 1 of a record that is split into several files; give all of them together",
-        )
 
 
 def test_channels_l_v_t():

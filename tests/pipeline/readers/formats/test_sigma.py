@@ -83,7 +83,6 @@ def changed(old: str, new: str) -> bytes:
 ACCELERATION = "stream:10: expected 'Acceleration time series', found "
 DAMAGE = {
     "velocity": (sigma(VALUES, series="Velocity time series in m/s"), f"{ACCELERATION}velocity"),
-    "displacement": (sigma(VALUES, series="Displacement time series in m"), f"{ACCELERATION}displacement"),
     "unit": (sigma(VALUES, series="Acceleration time series in m/s"), "stream:10: unknown unit of acceleration 'm/s'"),
     "fewer": (changed(": 302", ": 306"), r"stream:72: expected 306 numbers \(header\), found 302"),
     "none": (changed(": 302", ": 0"), "positive number of samples"),

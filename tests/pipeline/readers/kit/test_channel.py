@@ -24,12 +24,6 @@ def record(peak=0.3, unit="g", samples=None, **known):
     return build_record(FILE, samples, 0.01, unit, number=1, format="test", processed=None, **known)
 
 
-def test_two_samples_are_a_record_and_one_is_none():
-    assert record(samples=np.array([0.1, 0.2])).npts == 2
-    with pytest.raises(RecordFormatError, match="expected at least 2 samples, found 1"):
-        record(samples=np.array([0.1]))
-
-
 @pytest.mark.parametrize(("stated", "decides"), [(0.45, True), (0.44, False), (0.2, True), (0.21, False), (0.0, False)])
 def test_a_peak_that_differs_greatly_from_the_header_must_be_confirmed(stated, decides):
     assert bool(deciding(record(header_peak=(stated, 0.0)))) is decides
@@ -182,12 +176,6 @@ def test_clipping_is_told_once_and_not_of_corrected_records():
     assert "the record may be clipped" in note
     assert record(samples=clipped, warnings=("first", note)).warnings == ("first", note)
     assert build_record(FILE, clipped, 0.01, "g", number=1, format="test", processed=True).warnings == ()
-
-
-def test_counts_have_a_factor_of_their_own():
-    built = record(samples=np.array([0.0, 4.0, -8.0]), unit="counts", factor=0.25, component="90 Deg")
-    assert list(built.acceleration) == [0.0, 1.0, -2.0]
-    assert (built.unit_factor, built.source_unit, built.azimuth) == (0.25, "counts", 90.0)
 
 
 def test_the_usable_channels_of_a_file_are_kept():

@@ -187,21 +187,6 @@ def test_a_line_that_does_not_tell_what_is_unknown():
     assert (np.isnan(found.real(67)), found.real(66)) == (True, -9.0)
 
 
-@pytest.mark.parametrize(
-    ("end", "message"),
-    [
-        (12, r"a:17: expected 13 text lines .*found 12"),
-        (13, r"a:19: expected the number of integer values or lines, found the end of the channel"),
-        (24, r"a:30: expected the number of real values or lines, found the end of the channel"),
-        (23, r"a:\d+: expected 100 numbers"),
-        (42, r"a:48: expected the number of comment values or lines, found the end of the channel"),
-    ],
-)
-def test_a_header_that_ends_too_early(end, message):
-    with pytest.raises(RecordFormatError, match=message):
-        read_cosmos_header("a", [*["before"] * 5, *lines_of()], 5, 5 + end)
-
-
 def test_comments_begin_with_a_bar():
     lines = lines_of(comments=("one", "two", "three"))
     assert read_cosmos_header("a", lines, 0, 45).end == 45  # where the channel ends before its comments

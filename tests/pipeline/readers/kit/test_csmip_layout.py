@@ -6,14 +6,12 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.checks import held_length
 from rockpulse.readers.kit.csmip_layout import (
     CsmipHeader,
     SeriesHeading,
     channels,
     equal_block,
-    heading_at,
     one_direction,
     read_csmip_header,
 )
@@ -63,38 +61,6 @@ def test_a_blank_in_front_of_every_line_is_that_of_a_printer():
     assert spans_of("Title", " x")[0] == ["Title", " x"]
 
 
-def test_a_line_that_begins_no_channel_is_named():
-    with pytest.raises(RecordFormatError, match=r"a.v1:4: expected 'Title' \(channel 2\), found 'more'"):
-        spans_of("Title", "x", "/&", "more", "Title")
-    with pytest.raises(RecordFormatError, match=r"a.v1:1: expected 'Title' \(channel 1\), found 'x'"):
-        spans_of("x", "Title")
-
-
-@pytest.mark.parametrize(
-    ("line", "kind", "count", "layout", "unit"),
-    [
-        ("  400 Accelerogram points at 100 pts/sec in units of g. (8f9.6)", "acceleration", 400, (8, 9), "g."),
-        (
-            " 12 POINTS OF ACCEL DATA EQUALLY SPACED AT .005 SEC. (UNITS: CM/SEC/SEC)",
-            "acceleration",
-            12,
-            None,
-            "CM/SEC/SEC",
-        ),
-        (" 34 points of veloc data, in cm/sec. (10F8.3)", "velocity", 34, (10, 8), "cm/sec."),
-        (" 56 points of displ data", "displacement", 56, None, ""),
-    ],
-)
-def test_a_heading(line, kind, count, layout, unit):
-    heading = heading_at(["x", line, "x"], 1)
-    assert (heading.at, heading.kind, heading.count, heading.warnings) == (1, kind, count, ())
-    assert (heading.layout, heading.unit) == (layout, unit)
-    assert line.endswith(heading.words)
-    assert heading_at(["x", line], 0) is heading_at(["x", line], 2) is None
-    twice = heading_at([line, "", line, "x"], 0)
-    assert (twice.at, twice.count, len(twice.warnings)) == (2, count, 1)
-
-
 @pytest.mark.parametrize(
     ("words", "dt"),
     [("at 200 pts/sec", 0.005), ("at 50 samples/sec", 0.02), ("spaced at .25 sec", 0.25), ("spaced at 2.0 sec", 2.0)],
@@ -104,12 +70,6 @@ def test_the_interval_of_a_heading(words, dt):
     assert (block.dt, block.unit, block.warnings) == (dt, "cm/s2", ())
     assert list(block.samples) == list(block.values) == [1.0, 2.0, -3.0]
     assert list(block.times) == [0.0, dt, 2.0 * dt]
-
-
-@pytest.mark.parametrize("words", ["", "at 0 pts/sec", "at 1.2.3 pts/sec", "spaced at 0.0 sec", "spaced at . sec"])
-def test_a_heading_without_an_interval_is_refused(words):
-    with pytest.raises(RecordFormatError, match=r"a:2: expected 'at N pts/sec' or 'equally spaced at N sec'"):
-        equal_block("a", ["x", "heading", "  1.  2."], SeriesHeading(1, "acceleration", 2, words), 3, "g")
 
 
 @pytest.mark.parametrize(
@@ -129,23 +89,6 @@ def test_the_rows_below_a_heading(count, words, rows, notes):
     assert list(block.samples) == list(np.arange(1.0, count + 1.0))
     assert block.warnings[0] == "own"
     assert [note[: len(start)] for note, start in zip(block.warnings[1:], notes, strict=True)] == notes
-
-
-@pytest.mark.parametrize(
-    ("count", "words", "rows", "message"),
-    [
-        (3, "", [], r"a:2: expected 3 samples \(header\), found 0"),
-        (3, "", ["", "  1"], r"a:3: expected 3 fields|expected 3 numbers"),
-        (3, "(0f2.0)", [" 1 2 3"], r"a:2: expected a format such as \(8f9.6\), found \(0f2\)"),
-        (3, "(8f0.0)", [" 1 2 3"], r"a:2: expected a format such as \(8f9.6\), found \(8f0\)"),
-        (9, "", [" 1 2 3 4 5 6 7 8"], r"a:4: expected 9 numbers \(header\), found 8"),
-        (9, "", [" 1 2 3 4 5 6 7 8", " x"], r"a:4: expected a finite number, found 'x'"),
-    ],
-)
-def test_damaged_rows_below_a_heading_are_named(count, words, rows, message):
-    heading = SeriesHeading(1, "acceleration", count, f"at 100 pts/sec {words}")
-    with pytest.raises(RecordFormatError, match=message):
-        equal_block("a", ["x", "heading", *rows, " 9"], heading, 2 + len(rows), "g")
 
 
 def text_of(**lines):

@@ -230,15 +230,6 @@ def test_a_header_that_names_more_than_one_motion_asks_for_headings(write, heade
         read(write(series(header)), units="g")
 
 
-def test_unnamed_columns_of_acceleration_velocity_and_displacement_are_refused(write):
-    content = series("", VELOCITY, np.cumsum(VELOCITY))
-    with pytest.raises(RecordFormatError, match=r"column 3, which is the integral of column 2, .* name the columns"):
-        read(write(content), units="g")
-    assert len(read(write(series("", VALUES[::-1], -VALUES)), units="g")) == 3
-    with pytest.raises(RecordFormatError, match="found 4 columns of numbers"):
-        read(write(series("", VALUES[::-1], -VALUES, VALUES[::-1])), units="g")
-
-
 def test_a_column_that_is_headed_as_time_is_time_wherever_it_stands(write):
     (record,) = read(write(columns(PAIR[:, ::-1], "acc,time\n", ",")), units="m/s2")
     assert (record.dt, record.channel) == (STEP, "acc")

@@ -6,19 +6,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from record_writers import pulse
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.spacing import (
-    agreed_step,
     climbs,
     counts_rows,
-    declared_points,
     even_step,
     long_step,
     make_even,
     pair_block,
-    pair_unit,
     printed_at,
     time_column_step,
 )
@@ -254,15 +251,6 @@ def test_a_block_that_is_cut_or_damaged_is_named_by_its_line():
         block([f"1{first}", f" {last}"])  # one character more, and no carriage control
 
 
-def test_count_and_unit_in_the_words_of_a_header():
-    assert declared_points("  No. of Points = 11999", "x.v1:7") == declared_points("NO. OF POINTS=11999", "") == 11999
-    with pytest.raises(RecordFormatError, match=r"^x.v1:7: expected 'No. of Points = N', found 'Points: 3'"):
-        declared_points(" Points: 3 ", "x.v1:7")
-    assert pair_unit("Units are sec and g/10.", "x.v1:7") == pair_unit(" g/10 ", "") == "g/10"
-    with pytest.raises(UnitError, match=r"^x.v1:7: unknown unit of acceleration 'furlong'"):
-        pair_unit("Units are sec and furlong", "x.v1:7")
-
-
 VALUES_TIME_COLUMN = np.round(pulse(200, peak=3.0), 6)
 TIMES_TIME_COLUMN = np.arange(200) * 0.01
 
@@ -395,13 +383,3 @@ def test_twenty_equal_steps_upwards_are_no_acceleration():
     assert not climbs(-0.01 * np.arange(20.0))
     assert not climbs(np.arange(30.0) ** 2)
     assert not climbs(np.append(np.arange(30.0), 29.0))
-
-
-def test_all_sources_agree_on_one_positive_interval():
-    assert agreed_step("x.txt", {"time column": None, "header": 0.02, "option": 0.02}, "x") == 0.02
-    assert agreed_step("x.txt", {"header": 0.01}, "x") == 0.01
-    for step in (0.0, -0.01, np.inf, np.nan):
-        with pytest.raises(RecordFormatError, match=rf"^x.txt: expected a positive .* in s, found {step!r} \(header\)"):
-            agreed_step("x.txt", {"time column": 0.01, "header": step}, "x")
-    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(a\), 0.02 s \(header\); correct the wrong one$"):
-        agreed_step("x.txt", {"a": 0.01, "header": 0.02}, "correct the wrong one")
