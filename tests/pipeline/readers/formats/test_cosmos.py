@@ -217,6 +217,11 @@ def raw(reals=None, integers=None) -> bytes:
         (RecordFormatError, cosmos(pulse(), count=999999999), "expected"),
         (RecordFormatError, cosmos(pulse())[:1500], r":\d+: expected 100 numbers"),
         (RecordFormatError, cosmos(pulse())[:400], "expected 13 text lines"),
+        (
+            RecordFormatError,
+            b"\n".join(cosmos(pulse()).splitlines()[:13]),
+            "number of integer values .*, found the end",
+        ),
         (RecordFormatError, cosmos(pulse(), sections=[]), ":45: expected a line such as '13400 acceleration pts"),
         (RecordFormatError, cosmos(pulse())[:-800], "expected 400 numbers"),
         (RecordFormatError, cosmos(pulse()).replace(b"(8f9.6)", b"(8x9.6)"), ":45: expected a format such as"),

@@ -63,19 +63,25 @@ def swapped(old: bytes, new: bytes):
     return lambda content: content.replace(old, new)
 
 
+def cut(content: bytes, lines: int) -> bytes:
+    return b"\n".join(content.split(b"\n")[:lines])
+
+
 VELOCITY = "{n:5d} POINTS OF VELOC DATA EQUALLY SPACED AT .010 SEC.  (UNITS: CM/SEC)"
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda c: b"\n".join(c.split(b"\n")[:35]), r"TEST.V1:\d+: expected 160 numbers .* found 56"),
-        (lambda c: b"\n".join(c.split(b"\n")[:20]), "expected 27 header lines"),
+        (lambda c: cut(c, 35), r"TEST.V1:\d+: expected 160 numbers .* found 56"),
+        (lambda c: cut(c, 20), "expected 27 header lines"),
         (swapped(b"   160 Acc", b"999999999999 Acc"), "expected 999999999999 numbers"),
         (swapped(b"   160 Acc", b"     0 Acc"), "expected a positive number"),
         (swapped(b"at 100 pts", b"at 0 pts"), "TEST.V1:28: expected 'at N pts/sec'"),
         (swapped(b"units of g.", b"units of furlong."), "TEST.V1:28: unknown unit"),
         (swapped(b"(8f9.6)", b"(0f9.6)"), "expected a format such as"),
+        (swapped(b"(8f9.6)", b"(8f0.6)"), "expected a format such as"),
+        (lambda c: cut(c, 28), r"TEST.V1:28: expected 160 samples \(header\), found 0"),
         (swapped(b" 0.300000", b"      NaN"), r"TEST.V1:\d+: .* found 'NaN'"),
         (swapped(b" 0.300000", b" 0.3000"), r"TEST.V1:\d+: expected 8 fields of 9"),
         (lambda c: c + b"something else\n", "expected 'Uncorrected Accelerogram Data'"),
@@ -178,10 +184,6 @@ def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others
 def test_without_a_unit_in_the_heading_that_of_the_peak_counts(write):
     (record,) = read(write(csmip_v2(MOTION, heading=" POINTS OF {kind} DATA EQUALLY SPACED AT {dt} SEC.")))
     assert record.source_unit == "cm/s2"
-
-
-def cut(content: bytes, lines: int) -> bytes:
-    return b"\n".join(content.split(b"\n")[:lines])
 
 
 ACCEL, STEP = b"   403 points of accel", b"accel data equally spaced at  "

@@ -16,7 +16,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.formats.obspy_formats import _held_rate, is_miniseed
-from rockpulse.readers.kit.obspy_bridge import obspy_notes
+from rockpulse.readers.kit.obspy_bridge import contradicts_channel, obspy_notes
 from rockpulse.readers.source import NoRecord, NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -341,3 +341,18 @@ def test_full_seed_has_its_gain_within_and_dataless_seed_no_samples(tmp_path):
     assert np.array_equal(read(folder / "alone.mseed")[0].acceleration, record.acceleration)
     with pytest.raises(NoRecord, match="dataless SEED"):
         read(folder / "beside.dataless")
+
+
+def test_station_metadata_contradict_a_channel_by_what_it_tells_at_its_time(tmp_path):
+    import obspy
+
+    for name, corner in (("a.xml", 300.0), ("b.xml", 900.0)):
+        write_stages(tmp_path, [corner * (-1.0 + 1.0j), corner * (-1.0 - 1.0j)], name=name)
+    files = [("a.xml", (tmp_path / "a.xml").read_bytes())]
+    channel = obspy.read_inventory(str(tmp_path / "b.xml"))[0][0][0]
+    assert not contradicts_channel(files, "XX", "ABC", channel)  # other stages of the same sensitivity
+    channel.azimuth = 0.0
+    assert contradicts_channel(files, "XX", "ABC", channel)
+    assert not contradicts_channel(files, "XX", "DEF", channel)
+    channel.start_date, channel.end_date = obspy.UTCDateTime("2031-01-01"), None
+    assert not contradicts_channel(files, "XX", "ABC", channel)

@@ -10,6 +10,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.spacing import (
+    agreed_step,
     climbs,
     counts_rows,
     even_step,
@@ -383,3 +384,13 @@ def test_twenty_equal_steps_upwards_are_no_acceleration():
     assert not climbs(-0.01 * np.arange(20.0))
     assert not climbs(np.arange(30.0) ** 2)
     assert not climbs(np.append(np.arange(30.0), 29.0))
+
+
+def test_all_sources_agree_on_one_positive_interval():
+    assert agreed_step("x.txt", {"time column": None, "header": 0.02, "option": 0.02}, "x") == 0.02
+    assert agreed_step("x.txt", {"header": 0.01}, "x") == 0.01
+    for step in (0.0, -0.01, np.inf, np.nan):
+        with pytest.raises(RecordFormatError, match=rf"^x.txt: expected a positive .* in s, found {step!r} \(header\)"):
+            agreed_step("x.txt", {"time column": 0.01, "header": step}, "x")
+    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(a\), 0.02 s \(header\); correct the wrong one$"):
+        agreed_step("x.txt", {"a": 0.01, "header": 0.02}, "correct the wrong one")
