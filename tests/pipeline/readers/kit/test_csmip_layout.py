@@ -12,6 +12,7 @@ from rockpulse.readers.kit.csmip_layout import (
     SeriesHeading,
     channels,
     equal_block,
+    heading_at,
     one_direction,
     read_csmip_header,
 )
@@ -85,6 +86,7 @@ def test_the_interval_of_a_heading(words, dt):
 )
 def test_the_rows_below_a_heading(count, words, rows, notes):
     heading = SeriesHeading(1, "acceleration", count, f"at 100 pts/sec {words}", ("own",))
+    assert heading_at(["x"], 1) is None  # at the end of a file
     block = equal_block("a", ["x", "heading", *rows, "behind"], heading, 2 + len(rows), "g")
     assert list(block.samples) == list(np.arange(1.0, count + 1.0))
     assert block.warnings[0] == "own"
