@@ -7,7 +7,7 @@
    u = 1 + s f Q + (A + B)/2,  u' = s f Q' + (A - B)/2,  with A growing as e^tau and B falling as e^-tau,
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
 
-   So u at any node of the ground motion costs three products, and `_fly` computes it at a group of nodes at once to
+   So u at any node of the ground motion costs three products, and `search` computes it at a group of nodes at once to
    find the next node at which the block is near the ground; groups with a lower bound of u above this are skipped.
    The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block overturns, if A > 0 and
    A + 1 > f max(-s G). With u = 0 the block needs a speed of 1 to overturn on still ground, and the ground adds at most
@@ -47,9 +47,18 @@ from rocking.spectrum.slender_ground import (
     START,
     STRONGEST,
     UP,
+    exceeds,
     lifting,
+    search,
 )
-from rocking.spectrum.slender_piece import first_impact, first_root, halley_step, hyperbolic, motion_at
+from rocking.spectrum.slender_piece import (
+    first_impact,
+    first_root,
+    halley_step,
+    hyperbolic,
+    motion_at,
+    peak_on_still_ground,
+)
 
 #: Impacts slower than this u' [-] end the motion unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
@@ -185,33 +194,6 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 
 @njit(inline="always", _nrt=False)
-def _search(row, begin, force, grow, fall, near, fastest):
-    """Return twice the number of the first node after `begin` at which u is at most 0, plus 1 if it is small instead.
-
-    u is small if it is at most `near` and u' is from 0 to `fastest`; the result is 2 BLOCK if there is no such node.
-    """
-    q, rate, up, down = row[0], row[1], row[2], row[3]
-    found = 2 * BLOCK
-    for j in range(BLOCK):
-        grown, fallen = grow * up[j], fall * down[j]
-        u, v = 1.0 + force * q[j] + grown + fallen, force * rate[j] + grown - fallen
-        small = (u <= near) & (v > 0.0) & (v <= fastest)
-        place = 2 * j if u <= 0.0 else 2 * j + 1
-        found = min(found, place if ((u <= 0.0) | small) & (j > begin) else 2 * BLOCK)
-    return found
-
-
-@njit(inline="always", _nrt=False)
-def _exceeds(row, begin, force, grow, fall, high):
-    """Return True if u exceeds `high` at a node after `begin`."""
-    q, up, down = row[0], row[2], row[3]
-    above = 0
-    for j in range(BLOCK):
-        above += (1.0 + force * q[j] + grow * up[j] + fall * down[j] > high) & (j > begin)
-    return above > 0
-
-
-@njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
     """Compute the motion of block i from node `k`; return the next piece at whose end u is small, ENDED or FINAL."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
@@ -239,11 +221,11 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
                 grow_before, fall_before = grow, fall
                 grow, fall, block = grow * growth, fall * decay, block + 1
                 continue
-        found = _search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
+        found = search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
         if peaks:
             high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
             end = min(first + found // 2, first + BLOCK - 1, count)
-            if _exceeds(rows[block], k - first, force, grow, fall, high):
+            if exceeds(rows[block], k - first, force, grow, fall, high):
                 _scan_peak(s, i, max(k + 1, first), end, force, grow, fall, points, blocks)
         if found < 2 * BLOCK or first + BLOCK > count:
             break
@@ -353,18 +335,6 @@ def _after_impact(s, i, wall):
 
 
 @njit(_nrt=False)
-def _peak_on_still_ground(u, v, restitution):
-    """Return the largest u of the motion on still ground from u and u' = `v`; inf if the block overturns."""
-    # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
-    kept = (1.0 - u) ** 2 - v * v
-    after = restitution * math.sqrt(max(1.0 - kept, 0.0))
-    if after > 1.0 or u - 1.0 + v > 0.0:
-        return np.inf
-    top = max(kept, 0.0) if v > 0.0 else 1.0
-    return 1.0 - math.sqrt(min(top, 1.0 - after * after))
-
-
-@njit(_nrt=False)
 def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
     """Compute lanes (a block at a scale factor) `first` to `last` - 1 of one p over :class:`.slender_ground.Tables`.
 
@@ -424,6 +394,6 @@ def _store(s, i, own, status, final):
     """Store the state of block i, which has overturned or has reached the end of the tables."""
     own[0], own[1], own[2], own[3] = s[PEAK + i], s[U + i], s[V + i], s[SIDE + i]
     if status == FINAL and final and own[3] != 0.0:
-        own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))
+        own[0] = max(own[0], peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))
     if status in (ENDED, SAFE):
         own[3] = np.nan

@@ -47,6 +47,33 @@ def lifting(ground, wall):
     return max(-ground, 0.0) if wall else abs(ground)
 
 
+@njit(inline="always", _nrt=False)
+def search(row, begin, force, grow, fall, near, fastest):
+    """Return twice the number of the first node after `begin` at which u is at most 0, plus 1 if it is small instead.
+
+    u is small if it is at most `near` and u' is from 0 to `fastest`; the result is 2 BLOCK if there is no such node.
+    """
+    q, rate, up, down = row[0], row[1], row[2], row[3]
+    found = 2 * BLOCK
+    for j in range(BLOCK):
+        grown, fallen = grow * up[j], fall * down[j]
+        u, v = 1.0 + force * q[j] + grown + fallen, force * rate[j] + grown - fallen
+        small = (u <= near) & (v > 0.0) & (v <= fastest)
+        place = 2 * j if u <= 0.0 else 2 * j + 1
+        found = min(found, place if ((u <= 0.0) | small) & (j > begin) else 2 * BLOCK)
+    return found
+
+
+@njit(inline="always", _nrt=False)
+def exceeds(row, begin, force, grow, fall, high):
+    """Return True if u exceeds `high` at a node after `begin`."""
+    q, up, down = row[0], row[2], row[3]
+    above = 0
+    for j in range(BLOCK):
+        above += (1.0 + force * q[j] + grow * up[j] + fall * down[j] > high) & (j > begin)
+    return above > 0
+
+
 @njit(_nrt=False)
 def _fill_points(length, start, slope, past, future, points, rows):
     """Fill `rows` and columns of `points` up to DOWN; `past` is H at the first node, `future` G at the last node."""

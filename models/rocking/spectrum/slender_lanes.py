@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, positive, record_samples
+from rocking.arguments import ArrayLike, counts, positive, record_samples
 from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.body.limits import RATES
 from rocking.kernel_cache import njit
@@ -135,22 +135,23 @@ def spectrum_lanes(
     Raises
     ------
     ValueError
-        For p that are not ascending, an interval that is not positive, and a record that is not finite, is zero
-        throughout or exceeds a million times gravity.
+        For p that are not ascending, an interval or a number of lanes that is not positive, and a record that is not
+        finite, is zero throughout or exceeds a million times gravity.
 
     Examples
     --------
     >>> lanes = rocking.spectrum_lanes(record.acceleration, record.dt, [1.5, 2.0])
     >>> np.isinf(lanes.peak).mean(axis=1).round(2).tolist()  # share of the lanes that overturn
-    [0.45, 0.68]
+    [0.45, 0.7]
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
     between = between or (REBOUNDS if side else (LEAST_RESTITUTION, 1.0))
     if not 0.0 < between[0] < between[1] <= 1.0:
         raise ValueError(f"between: expected two ascending restitutions above 0, at most 1, got {between!r}")
+    lanes = counts("second", second, 1, lanes=False)
     times = interval * np.arange(ground.size)
-    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
+    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=lanes)
 
 
 def piece_lanes(

@@ -101,3 +101,15 @@ def first_impact(u, v, bend, twist, left):
                 return _sign_change(last, end, u, v, bend, twist, 0)
             last = max(last, end)
     return -1.0
+
+
+@njit(_nrt=False)
+def peak_on_still_ground(u, v, restitution):
+    """Return the largest u of the motion on still ground from u and u' = `v`; inf if the block overturns."""
+    # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
+    kept = (1.0 - u) ** 2 - v * v
+    after = restitution * math.sqrt(max(1.0 - kept, 0.0))
+    if after > 1.0 or u - 1.0 + v > 0.0:
+        return math.inf
+    top = max(kept, 0.0) if v > 0.0 else 1.0
+    return 1.0 - math.sqrt(min(top, 1.0 - after * after))

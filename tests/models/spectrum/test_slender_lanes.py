@@ -121,6 +121,12 @@ def test_what_has_no_spectrum(acceleration, p, told):
         spectrum_lanes(acceleration, DT, p)
 
 
+@pytest.mark.parametrize("second", [0, 700.0])
+def test_the_number_of_lanes_is_a_positive_whole_number(second):
+    with pytest.raises(ValueError, match="second: expected"):
+        spectrum_lanes(MOTION, DT, P, second=second)
+
+
 def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
     """A ground that is pushed one way only lifts a block before a wall on the one side of it, and not on the other."""
     push = np.where(np.arange(200) < 100, 3.0, 0.0)
