@@ -36,4 +36,7 @@ def shared_groups(
         places = np.union1d(above - 1, above)
         if inside.size >= FEWEST_SHARING and places.size * (FIRST + second) < inside.size * own:
             rest[inside] = False
-            yield inside, {"p": SHARED_RATES[places], "side": side, "between": between, "second": second}
+            random = np.multiply.outer(uncertainty.restitution, np.asarray(block.restitution)[inside])
+            needed = max(float(np.min(random)), between[0]), min(float(np.max(random)), between[1])
+            limits = {"between": between, "needed": needed}
+            yield inside, {"p": SHARED_RATES[places], "side": side, "second": second, **limits}

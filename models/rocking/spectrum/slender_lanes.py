@@ -111,6 +111,7 @@ def spectrum_lanes(
     rotations: bool = True,
     second: int = SECOND,
     between: tuple[float, float] | None = None,
+    needed: tuple[float, float] | None = None,
 ) -> SpectrumLanes:
     """Compute the responses of slender blocks (lanes) that give the overturning spectrum of a record.
 
@@ -131,6 +132,8 @@ def spectrum_lanes(
         Number of lanes in the second stage at each p; the first stage has 144.
     between : (float, float), optional
         Range of restitutions that the lanes represent; by default 0.7125 to 1, beside a wall 0.25 to 0.55 (rebounds).
+    needed : (float, float), optional
+        Part of this range to which the lanes of the second stage are limited; those in it do not depend on it.
 
     Raises
     ------
@@ -149,9 +152,13 @@ def spectrum_lanes(
     between = between or (REBOUNDS if side else (LEAST_RESTITUTION, 1.0))
     if not 0.0 < between[0] < between[1] <= 1.0:
         raise ValueError(f"between: expected two ascending restitutions above 0, at most 1, got {between!r}")
-    lanes = counts("second", second, 1, lanes=False)
-    times = interval * np.arange(ground.size)
-    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=lanes)
+    if needed and not between[0] <= needed[0] < needed[1] <= between[1]:
+        raise ValueError(
+            f"needed: expected two ascending restitutions from {between[0]:g} to {between[1]:g}, got {needed!r}"
+        )
+    number = counts("second", second, 1, lanes=False)
+    times, stages = interval * np.arange(ground.size), {"second": number, "needed": needed}
+    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, **stages)
 
 
 def piece_lanes(
@@ -164,6 +171,7 @@ def piece_lanes(
     side: int = 0,
     rotations: bool = True,
     second: int = SECOND,
+    needed: tuple[float, float] | None = None,
 ) -> SpectrumLanes:
     """Compute responses of slender blocks (lanes) at ascending p under a ground acceleration linear between `times`."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
@@ -174,12 +182,17 @@ def piece_lanes(
     def restitutions(rank: np.ndarray) -> np.ndarray:
         return least + (most - least) * rank
 
+    own = needed or between
+    ends = own[0], upper_end(own)
     of_rates = [restitutions] * rates.size
-    rows = list(_march_lanes(times, ground, rates, of_rates, second, threads, side, rotations=rotations))
+    marched = _march_lanes(
+        times, ground, rates, of_rates, threads, side, rotations=rotations, second=second, needed=ends
+    )
+    rows = list(marched)
     found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if not rotations:
         found["peak"][np.isfinite(found["peak"])] = np.nan
-    return SpectrumLanes(rates, **found, between=between, side=side)
+    return SpectrumLanes(rates, **found, between=own, side=side)
 
 
 def body_piece_lanes(
@@ -197,7 +210,7 @@ def body_piece_lanes(
 
     restitutions = [partial(uncertainty.restitutions, own) for own in nominal]
     speeds = np.log(block.gravity * np.tan(block.alpha_c) / rates)
-    rows = _march_lanes(times, ground, rates, restitutions, second, threads, side, rotations=False)
+    rows = _march_lanes(times, ground, rates, restitutions, threads, side, rotations=False, second=second)
     lanes = []
     for row, speed in zip(rows, speeds, strict=True):
         inside = row["weight"] > 0.0
@@ -217,11 +230,12 @@ def _march_lanes(
     ground: np.ndarray,
     rates: np.ndarray,
     restitutions: Sequence[Callable[[np.ndarray], np.ndarray]],
-    second: int,
     threads: int | None,
     side: int,
     *,
     rotations: bool,
+    second: int,
+    needed: tuple[float, float] = (0.0, np.inf),
 ) -> Iterator[dict[str, Any]]:
     """Compute lanes at each frequency parameter in `rates`, with C from the function for this rate in `restitutions`.
 
@@ -249,7 +263,7 @@ def _march_lanes(
         top = max(math.log(HIGHEST / largest_impulse(times, ground, rate)), bottom + LEAST_SPAN)
         motion = SlenderGround(pieces, rate, side != 0)
         march = partial(march_one_rate, motion, rotations=rotations, threads=threads)
-        return _both_stages(bottom, top, march, restitutions[place], second)
+        return _both_stages(bottom, top, march, restitutions[place], second, needed)
 
     return spread(at_rate, range(rates.size), threads)
 
@@ -290,8 +304,12 @@ def _both_stages(
     march: Callable[[np.ndarray, np.ndarray], np.ndarray],
     restitutions: Callable[[np.ndarray], np.ndarray],
     second: int,
+    needed: tuple[float, float] = (0.0, np.inf),
 ) -> dict[str, Any]:
-    """Return the samples of both stages, from uplift at ln x = `bottom` to `top`; `march` computes the rotations."""
+    """Return the samples of both stages, from uplift at ln x = `bottom` to `top`; `march` computes the rotations.
+
+    Those of the second stage are limited to the `needed` restitutions.
+    """
     given = restitutions(_ranks(FIRST, 0.5))
     restitution = np.minimum(given, MOST_RESTITUTION)
     for _ in range(WIDENINGS):
@@ -304,6 +322,8 @@ def _both_stages(
     ends = _level(bottom, least), _level(top, most)
     places, grid, density = _second_stage_levels(_level(log_x, restitution), np.isinf(peak), *ends, second)
     given_next = restitutions(_ranks(second, 0.25))
+    own = (given_next >= needed[0]) & (given_next <= needed[1])
+    given_next, places = given_next[own], places[own]
     more = np.minimum(given_next, MOST_RESTITUTION)
     above = places - SLOPE * (more - MIDDLE)
     log_x, restitution = np.append(log_x, above), np.append(restitution, more)

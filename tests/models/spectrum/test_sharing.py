@@ -37,3 +37,5 @@ def test_bodies_share_a_spectrum_over_the_restitutions_that_they_have():
     ((inside, arguments),) = shared_groups(beside, free, own=2000, density=4000.0)
     assert inside.size == 100
     assert (arguments["side"], arguments["between"], arguments["second"]) == (1, (0.25, 0.55), 1200)
+    limits = [groups[0][1]["needed"], groups[1][1]["needed"], arguments["needed"]]
+    assert np.array(limits) == pytest.approx(np.array([[0.92], [0.8], [0.4]]) * [[0.95, 1.05]])

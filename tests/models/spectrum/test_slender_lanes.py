@@ -121,6 +121,20 @@ def test_what_has_no_spectrum(acceleration, p, told):
         spectrum_lanes(acceleration, DT, p)
 
 
+@pytest.mark.parametrize(("needed", "highest"), [((0.84, 0.93), 0.93), ((0.9, 1.0), BEYOND)])
+def test_the_lanes_of_a_needed_part_are_those_of_the_whole_range(lanes, needed, highest):
+    part = spectrum_lanes(MOTION, DT, P, needed=needed)
+    assert part.between == needed
+    for place in range(P.size):
+        inside = (lanes.restitution[place] >= needed[0]) & (lanes.restitution[place] <= highest)
+        own = (part.restitution[place] >= needed[0]) & (part.restitution[place] <= highest)
+        for name in ("log_x", "restitution", "weight", "peak"):
+            assert np.array_equal(getattr(part, name)[place][own], getattr(lanes, name)[place][inside])
+        assert np.sum(~own) < FIRST
+    with pytest.raises(ValueError, match="needed: expected two ascending restitutions from"):
+        spectrum_lanes(MOTION, DT, P, needed=(0.7, 0.9))
+
+
 @pytest.mark.parametrize("second", [0, 700.0])
 def test_the_number_of_lanes_is_a_positive_whole_number(second):
     with pytest.raises(ValueError, match="second: expected"):
