@@ -39,7 +39,7 @@ POINTS = 8
 MAIN_SHARE = 0.5
 #: Number of lanes in the second stage of a single block, and per unit of C at each p of a spectrum that many blocks
 #: share; g tan(alpha)/p of the slender blocks that are computed [m/s].
-SECOND, SHARED_DENSITY, SPEED = 320, 3500.0, 0.01
+SECOND, SHARED_DENSITY, SPEED = 320, 3300.0, 0.01
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:

@@ -208,11 +208,9 @@ def largest_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> float
     """Return the largest abs(E) of the weighted impulse E (march/demand.py) at the points of a piecewise linear a_g."""
     weighted, largest = 0.0, 0.0
     for i in range(times.shape[0] - 2, -1, -1):
-        step = times[i + 1] - times[i]
-        if step > 0.0:
-            decay = np.exp(-rate * step)
-            whole = -np.expm1(-rate * step) / rate
-            late = (whole - step * decay) / (rate * step)
+        length = times[i + 1] - times[i]
+        if length > 0.0:
+            decay, whole, late = _weights(rate, length)
             weighted = decay * weighted + (whole - late) * ground[i] + late * ground[i + 1]
             largest = max(largest, abs(weighted))
     return largest
@@ -224,18 +222,23 @@ def weighted_lobes(
 ) -> int:
     """Fill `tops` [s] and `sizes` [m/s] with the largest abs(E) of each lobe, the last lobe first; return their number.
 
-    E is computed at the start of each of `points` equal parts of every piece of a_g; zeros belong to no lobe. Between
-    two zeros of a_g the sign of E changes at most once.
+    E is computed at the start of each piece of a_g and, if E has an extremum within the piece, of each of `points` equal
+    parts of it; zeros belong to no lobe. Between two zeros of a_g the sign of E changes at most once.
     """
     count, side, weighted = 0, 0.0, 0.0
     for i in range(times.shape[0] - 2, -1, -1):
-        step, rise = (times[i + 1] - times[i]) / points, (ground[i + 1] - ground[i]) / points
-        if step <= 0.0:
+        length, change = times[i + 1] - times[i], ground[i + 1] - ground[i]
+        if length <= 0.0:
             continue
-        decay = np.exp(-rate * step)
-        whole = -np.expm1(-rate * step) / rate
-        late = (whole - step * decay) / (rate * step)
-        for k in range(points - 1, -1, -1):
+        decay, whole, late = _weights(rate, length)
+        start = decay * weighted + whole * ground[i] + late * change
+        # E' = p E - a_g is monotonic within a piece.
+        parts = 1
+        if (rate * start - ground[i]) * (rate * weighted - ground[i + 1]) < 0.0:
+            parts = points
+            decay, whole, late = _weights(rate, length / parts)
+        step, rise = length / parts, change / parts
+        for k in range(parts - 1, -1, -1):
             weighted = decay * weighted + whole * (ground[i] + rise * k) + late * rise
             if not abs(weighted) > 0.0:  # NaN, too
                 continue
@@ -248,3 +251,11 @@ def weighted_lobes(
                 continue
             tops[count - 1], sizes[count - 1] = times[i] + step * k, weighted
     return count
+
+
+@njit(inline="always", _nrt=False)
+def _weights(rate, length):
+    """Return e^-(p h) of a part of length h, and the weights of a_g at its start and of the change of a_g within it."""
+    lost = -np.expm1(-rate * length)
+    whole = lost / rate
+    return 1.0 - lost, whole, (whole - length * (1.0 - lost)) / (rate * length)
