@@ -222,8 +222,8 @@ def weighted_lobes(
 ) -> int:
     """Fill `tops` [s] and `sizes` [m/s] with the largest abs(E) of each lobe, the last lobe first; return their number.
 
-    E is computed at the start of each piece of a_g and, if E has an extremum within the piece, of each of `points` equal
-    parts of it; zeros belong to no lobe. Between two zeros of a_g the sign of E changes at most once.
+    E is computed at the start of each piece of a_g and, if E has an extremum within the piece, at the start of each of
+    `points` equal parts of it; zeros belong to no lobe. Between two zeros of a_g the sign of E changes at most once.
     """
     count, side, weighted = 0, 0.0, 0.0
     for i in range(times.shape[0] - 2, -1, -1):
