@@ -8,19 +8,21 @@
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
 
    So u at any node of the ground motion costs three products, and `search` computes it at a group of nodes at once to
-   find the next node at which the block is near the ground; groups with a lower bound of u above this are skipped.
-   The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block overturns, if A > 0 and
-   A + 1 > f max(-s G). With u = 0 the block needs a speed of 1 to overturn on still ground, and the ground adds at most
-   the integral of f abs(a_g) to sqrt(u'^2 + 2 u - u^2), which no impact increases: if u' plus this integral to the end
-   is below 1 at an impact, the block cannot overturn any more.
+   find the next node at which the block is near the ground. A group is skipped if u is above that throughout (A and B
+   are monotonic, so they are least at an end of the group). The growing mode is u - 1 + u' = A + s f G. It exceeds -1
+   at all later times, and the block overturns, if A > 0 and A + 1 > f max(-s G).
+   (u'^2 + 2 u - u^2)' = -2 s f a_g u', so the root of u'^2 + 2 u - u^2 changes by at most f abs(a_g) per unit of tau
+   while u is from 0 to 1. It is abs(u') at an impact and at least 1 at u = 1: if u' plus the integral of f abs(a_g) to
+   the end is below 1 at an impact, the block cannot overturn any more.
 
    At an impact s changes its sign (not beside a wall) and u' becomes C abs(u').
-   Near the ground u'' is at most b = f abs(a_g) - 1. So if u vanishes within a piece (between two nodes) of length h
-   but is positive at its end, u is at most (cosh h - 1) max(b) and u' is from 0 to sinh(h) max(b) at this end: other
-   pieces contain no impact. `_may_dip` applies sharper bounds of the same kind, with u'' at both ends, to one piece.
+   Near the ground u'' is at most b = f abs(a_g) - 1. If u has been below zero within a piece (between two nodes) of
+   length h but is positive at its end, u is at most (cosh h - 1) max(b) and u' at most sinh(h) max(b) there. If u falls
+   again, u'' is positive at the start, and u + h abs(u')/3 is at most a third of this bound. Other pieces contain no
+   impact. `_may_dip` applies bounds of the same kind, with u'' at both ends, to one piece.
    The impacts of `WIDTH` lanes are solved together by three of Halley's steps from the root of a Taylor polynomial, and
-   u'' shows whether a root is the first one. `first_impact` solves the few cases in which it may not be the first one,
-   or in which the steps do not converge.
+   the signs of u'' and of u at its minimum show whether a root is the first one. `first_impact` solves the few cases in
+   which it may not be the first one, or in which the steps do not converge.
 """
 
 import math
@@ -75,8 +77,7 @@ STRENGTH, RESTITUTION, SIDE, PEAK, HOLD, NEXT = (np.uint64(WIDTH * row) for row 
 ROWS = 13
 #: What follows: no impact was found by these steps, the next impact is in the same piece, the block rests, or it moves.
 UNSOLVED, AGAIN, RESTS, MOVES = 0.0, 1.0, 2.0, 3.0
-#: Values in place of the number of a piece: the lane has overturned, has reached the end of the tables, or cannot
-#: overturn any more.
+#: In place of the number of a piece: the lane overturns, reaches the end of the tables, or cannot overturn any more.
 ENDED, FINAL, SAFE = -1, -2, -3
 
 
@@ -103,14 +104,17 @@ def _solve_impacts(s, wall):
         step, tau = halley_step(tau, u, v, bend, twist, left)
         even, odd = hyperbolic(tau)
         fall, curve = -(v + bend * (tau + odd) + twist * even), bend * (1.0 + even) + twist * (tau + odd)
+        height = u + v * tau + bend * even + twist * odd
+        solved = (fall > 0.0) & (abs(step) <= CONVERGED * tau) & (abs(height) <= CONVERGED * fall * tau)
         # u'' changes its sign once at most, so an earlier impact is possible only if u falls, is convex, then concave.
+        # The minimum of u is at the first zero of v + bend t + twist t^2/2; 2 % exceed the error of this polynomial.
         under = bend * bend - 2.0 * twist * v
         low = -2.0 * v / (bend + math.sqrt(under if under > 0.0 else 0.0))
         low = low if low < left else left
         even, odd = hyperbolic(low)
-        above = (under < 0.0) | (u + v * low + bend * even + twist * odd > 0.01 * u)
+        above = (under < -0.02 * bend * bend) | (u + v * low + bend * even + twist * odd > 0.02 * u)
         first = (bend <= 0.0) | (curve >= 0.0) | (v >= 0.0) | above
-        _bounce(s, i, tau, fall, first & (fall > 0.0) & (abs(step) <= CONVERGED * tau), wall)
+        _bounce(s, i, tau, fall, solved & first, wall)
 
 
 @njit(inline="always", _nrt=False)
@@ -125,7 +129,7 @@ def _bounce(s, i, tau, fall, solved, wall):
     lifts = -push if wall else abs(push)
     held = s[HOLD + i]
     margin = 1.0 - (lifts if lifts > held else held)
-    # It rests if its half-cycles end in this piece: the first lasts at most 2 u'/margin, each C times the one before.
+    # It rests if its half-cycles end in this piece: the first lasts about 2 u'/margin, each C times the one before.
     rests = (v <= SLOWEST) | (2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left)
     following = RESTS if rests else (AGAIN if end <= 0.0 else MOVES)
     s[NEXT + i] = following if solved else UNSOLVED
@@ -141,7 +145,7 @@ def _raise_peak(s, i, u, v, push, rate, left):
     bend, twist = u - 1.0 - push, v - rate
     if u + v * left + (1.0 + abs(push)) * left * left < s[PEAK + i]:
         return
-    tau = 0.0
+    tau = min(-1.01 * bend / twist, left) if bend > 0.0 > twist else 0.0  # from where u is concave
     for _ in range(6):
         _, speed = motion_at(tau, u, v, bend, twist)
         even, odd = hyperbolic(tau)
@@ -162,7 +166,7 @@ def _end_of_piece(s, i):
 def _lift(s, i, k, count, points, blocks, wall):
     """Find the point at which block i, at rest in piece `k`, is lifted; return the piece of this point, or FINAL."""
     strength, now, rate, left = s[STRENGTH + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
-    if lifting(now, wall) <= 1.0:
+    if left <= 0.0 or lifting(now, wall) <= 1.0:
         node = k + 1
         while node <= count and strength * points[node, LIFTING] <= 1.0:
             node += 1
@@ -173,22 +177,19 @@ def _lift(s, i, k, count, points, blocks, wall):
         if node - 1 > k:
             k = node - 1
             now, rate, left = strength * points[k, START], strength * points[k, SLOPE], points[k, LENGTH]
-        end = now + rate * left
+        end, wait = now + rate * left, left
         if lifting(end, wall) > 1.0:
-            wait = min(max((math.copysign(1.0, end) - now) / rate, 0.0), left)
+            wait = max((math.copysign(1.0, end) - now) / rate, 0.0)
+        if wait < left:
             now, left = math.copysign(1.0, end), left - wait
         elif node < count:  # a jump at the node
             k = node
             now, rate, left = strength * points[k, START], strength * points[k, SLOPE], points[k, LENGTH]
+        else:
+            return FINAL
     side = 1.0 if wall else -math.copysign(1.0, now)
-    s[SIDE + i], s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = (
-        side,
-        0.0,
-        0.0,
-        side * now,
-        side * rate,
-        left,
-    )
+    s[SIDE + i], s[U + i], s[V + i] = side, 0.0, 0.0
+    s[PUSH + i], s[RATE + i], s[LEFT + i] = side * now, side * rate, left
     _end_of_piece(s, i)
     return k
 
@@ -213,26 +214,20 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
         first = block * BLOCK
         pushed = max(strength * blocks[block, HIGHEST] - 1.0, 0.0)
         near = blocks[block, REACH] * pushed
-        if not peaks and first + BLOCK <= count:
-            # A lower bound of u in the group.
-            response = force * blocks[block, LEAST if side > 0.0 else MOST]
-            growth, decay = blocks[block, GROWTH], blocks[block, DECAY]
-            if 1.0 + response + min(grow, grow * growth) + min(fall, fall * decay) > near:
-                grow_before, fall_before = grow, fall
-                grow, fall, block = grow * growth, fall * decay, block + 1
-                continue
-        found = search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
-        if peaks:
-            high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
-            end = min(first + found // 2, first + BLOCK - 1, count)
-            if exceeds(rows[block], k - first, force, grow, fall, high):
-                _scan_peak(s, i, max(k + 1, first), end, force, grow, fall, points, blocks)
-        if found < 2 * BLOCK or first + BLOCK > count:
-            break
+        growth, decay, whole = blocks[block, GROWTH], blocks[block, DECAY], first + BLOCK <= count
+        least = 1.0 + force * blocks[block, LEAST if side > 0.0 else MOST]
+        least += min(grow, grow * growth) + min(fall, fall * decay)
+        if peaks or not whole or least <= near:
+            found = search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
+            if peaks:
+                high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
+                end = min(first + found // 2, first + BLOCK - 1, count)
+                if exceeds(rows[block], k - first, force, grow, fall, high):
+                    _scan_peak(s, i, max(k + 1, first), end, force, grow, fall, points, blocks)
+            if found < 2 * BLOCK or not whole:
+                break
         grow_before, fall_before = grow, fall
-        grow *= blocks[block, GROWTH]
-        fall *= blocks[block, DECAY]
-        block += 1
+        grow, fall, block = grow * growth, fall * decay, block + 1
     node, last = first + found // 2, min(first + BLOCK - 1, count)
     if node > last:
         s[U + i] = max(1.0 + force * points[last, RESPONSE] + grow * points[last, UP] + fall * points[last, DOWN], 0.0)
@@ -272,7 +267,7 @@ def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
 
 @njit(inline="always", _nrt=False)
 def _may_dip(s, i):
-    """Return True if u of block i, positive and growing at the end of this piece, may have been below zero within it.
+    """Return True if u of block i, positive at the end of this piece, may have been below zero within it.
 
     The bounds are those of a u'' that is linear in tau, with a margin of 5 % (1 % below) that exceeds the difference.
     """
@@ -282,12 +277,15 @@ def _may_dip(s, i):
     highest, lowest = max(before, after), min(before, after)
     if highest <= 0.0:
         return False
-    if lowest < 0.0:  # convex in one part of the piece
+    if lowest < 0.0:
+        # Convex in one part of the piece only: from zero to `highest`, u'' changes u' by half of highest part, and u by
+        # a sixth of highest part^2.
         part = left * highest / (highest - lowest)
         away, high = (speed, end) if after > before else (-v, u)
         return 0.0 < away <= 0.525 * highest * part and high <= 0.175 * highest * part**2
-    if v >= 0.0 or speed > 1.05 * highest * left or end > 0.525 * highest * left**2:
+    if v >= 0.0 or not 0.0 < speed <= 1.05 * highest * left or end > 0.525 * highest * left**2:
         return False
+    # With u'' >= lowest, u reaches zero only if u'^2 >= 2 lowest u at both ends.
     return v * v >= 1.98 * lowest * u and speed * speed >= 1.98 * lowest * end
 
 
@@ -309,9 +307,9 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
             end = s[END_U + i]
             if end <= 0.0:
                 return k
-            if s[END_V + i] > 0.0 and _may_dip(s, i):
+            if _may_dip(s, i):
                 return k
-        if peaks and s[V + i] > 0.0 > s[END_V + i]:
+        if peaks and s[V + i] >= 0.0 > s[END_V + i]:
             _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
         k = _fly(s, i, k + 1, count, points, rows, blocks, peaks)
         if k < 0:
@@ -375,7 +373,7 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
             piece[i] = k
         if peaks:
             for i in range(np.uint64(WIDTH)):
-                if lane_of[i] >= 0 and s[V + i] > 0.0:
+                if lane_of[i] >= 0 and s[V + i] >= 0.0:
                     _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
         _solve_impacts(s, wall)
 

@@ -29,6 +29,7 @@ LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
 #: Columns of `Tables.blocks`, for each group: e^tau over the group and its reciprocal; the largest LIFTING in the group
 #: and at the node before it; cosh h - 1 of the longest piece that ends in the group; the largest abs(a_g) of all; the
 #: least and the largest Q; from the group on, upper bounds of -G, of G (AHEAD + 1) and of the integral of abs(a_g).
+#: Those from AHEAD on, at the first group, are `left` of the tables before.
 GROWTH, DECAY, HIGHEST, REACH, STRONGEST, LEAST, MOST, AHEAD, _, IMPULSE = range(10)
 
 
@@ -37,7 +38,7 @@ class Tables(NamedTuple):
 
     pieces: int  #: number of pieces
     points: np.ndarray  #: (n, 8)
-    rows: np.ndarray  #: (b, 4, `BLOCK`) copy of Q, Q', e^tau and e^-tau of each group with contiguous rows
+    rows: np.ndarray  #: (b, 5, `BLOCK`) of each group: Q, Q', e^tau, e^-tau, and a_g at the start of the piece before
     blocks: np.ndarray  #: (b, 10)
 
 
@@ -51,14 +52,19 @@ def lifting(ground, wall):
 def search(row, begin, force, grow, fall, near, fastest):
     """Return twice the number of the first node after `begin` at which u is at most 0, plus 1 if it is small instead.
 
-    u is small if it is at most `near` and u' is from 0 to `fastest`; the result is 2 BLOCK if there is no such node.
+    u is small if it is at most `near` and u' from 0 to `fastest`, or, if u falls again, if u + h abs(u')/3 is at most a
+    third of `near` for the length h = 2 near/fastest of a piece, at whose start u'' was not negative. The result is
+    2 BLOCK if there is no such node.
     """
-    q, rate, up, down = row[0], row[1], row[2], row[3]
+    length = 0.65 * near / max(fastest, 1e-300)
+    q, rate, up, down, pushed = row[0], row[1], row[2], row[3], row[4]
     found = 2 * BLOCK
     for j in range(BLOCK):
         grown, fallen = grow * up[j], fall * down[j]
         u, v = 1.0 + force * q[j] + grown + fallen, force * rate[j] + grown - fallen
-        small = (u <= near) & (v > 0.0) & (v <= fastest)
+        rises = (u <= near) & (v > 0.0) & (v <= fastest)
+        falls = (v <= 0.0) & (u - length * v <= 0.35 * near) & (-force * pushed[j] >= 1.0 - near)
+        small = rises | falls
         place = 2 * j if u <= 0.0 else 2 * j + 1
         found = min(found, place if ((u <= 0.0) | small) & (j > begin) else 2 * BLOCK)
     return found
@@ -90,8 +96,9 @@ def _fill_points(length, start, slope, past, future, points, rows):
         points[k, RESPONSE], points[k, SPEED] = 0.5 * (future + past), 0.5 * (future - past)
         grown = 1.0 if k % BLOCK == 0 else grown
         points[k, UP], points[k, DOWN] = grown, 1.0 / grown
-        for row in range(rows.shape[1]):
+        for row in range(4):
             rows[k // BLOCK, row, k % BLOCK] = points[k, RESPONSE + row]
+        rows[k // BLOCK, 4, k % BLOCK] = start[k - 1] if 0 < k <= count else 0.0
         past_of_next = 0.0
         if k < count:
             points[k, LENGTH], points[k, START], points[k, SLOPE] = length[k], start[k], slope[k]
@@ -195,7 +202,7 @@ class SlenderGround:
         size = (length.size // BLOCK + 1) * BLOCK
         points, rows, blocks = (
             np.zeros((size, 8)),
-            np.empty((size // BLOCK, 4, BLOCK)),
+            np.empty((size // BLOCK, 5, BLOCK)),
             np.empty((size // BLOCK, IMPULSE + 1)),
         )
         _fill_points(length, start, slope, past, future, points, rows)

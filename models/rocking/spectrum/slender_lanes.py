@@ -26,7 +26,7 @@ from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, spread
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import BodyLanes
-from rocking.spectrum.probability import FARTHEST, MOST_RESTITUTION, Uncertainty
+from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender import ROWS, WIDTH, march_lanes
 from rocking.spectrum.slender_ground import SlenderGround, Tables, largest_impulse
 
@@ -368,10 +368,8 @@ def _share_near(level, over, grid):
     for place in range(grid.size):
         hit = whole = 0.0
         for lane in range(level.size):
-            away = (level[lane] - grid[place]) / NEIGHBOURS
-            if abs(away) < FARTHEST:
-                weight = math.exp(-0.5 * away * away)
-                whole += weight
-                hit += weight if over[lane] else 0.0
+            weight = math.exp(-0.5 * ((level[lane] - grid[place]) / NEIGHBOURS) ** 2)
+            whole += weight
+            hit += weight if over[lane] else 0.0
         share[place] = hit / whole
     return share

@@ -35,7 +35,7 @@ def motion_at(tau, u, v, bend, twist):
 
 @njit(inline="always", _nrt=False)
 def first_root(least, middle, most):
-    """Return the first positive root of `least` + `middle` t + `most` t^2, `least` not negative; any number if none."""
+    """Return the first positive root of `least` + `middle` t + `most` t^2, `least` >= 0; any number or NaN if none."""
     under = middle * middle - 4.0 * least * most
     root = math.sqrt(under if under > 0.0 else 0.0)
     top = middle + root if middle > 0.0 else 2.0 * least

@@ -36,7 +36,7 @@ NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *O
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 #: Number of blocks per unit of C in the second stage of a spectrum that many bodies share, at each frequency parameter.
-SHARED_DENSITY = 10000.0
+SHARED_DENSITY = 9000.0
 
 
 def record_probability(

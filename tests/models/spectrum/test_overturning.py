@@ -322,3 +322,9 @@ def test_a_wide_loss_of_angle_leaves_every_error_finite(by_hand):
     for name in ("at_one", "factor_10", "factor_50", "factor_mean"):
         low, value, high = (getattr(found, f"{name}{end}") for end in ("_low", "", "_high"))
         assert np.all((low <= value) & (value <= high) & (high < np.inf))
+
+
+def test_limits_of_restitution_may_be_given_as_a_list(by_hand):
+    listed = OverturningSpectrum(by_hand.lanes, Uncertainty(restitution=list(by_hand.uncertainty.restitution)))
+    plain = OverturningSpectrum(by_hand.lanes, Uncertainty(restitution=by_hand.uncertainty.restitution))
+    assert listed.factors(BLOCKS).factor_10.tolist() == plain.factors(BLOCKS).factor_10.tolist()

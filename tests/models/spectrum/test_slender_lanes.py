@@ -141,6 +141,13 @@ def test_the_number_of_lanes_is_a_positive_whole_number(second):
         spectrum_lanes(MOTION, DT, P, second=second)
 
 
+def test_a_march_before_a_wall_ends_where_rounding_alone_lifts_the_block():
+    """A half-sine whose last sample, -1e-16, is all that pushes away from the wall: strengths of 1e16 lift there."""
+    motion = np.sin(np.pi * np.arange(9) / 8)
+    motion[-1] = -abs(motion[-1])
+    assert not np.any(np.isinf(spectrum_lanes(motion, 0.02, [1.0, 4.0], side=1).peak))
+
+
 def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
     """A ground that is pushed one way only lifts a block before a wall on the one side of it, and not on the other."""
     push = np.where(np.arange(200) < 100, 3.0, 0.0)
@@ -292,3 +299,11 @@ def test_the_lanes_of_a_body_are_those_of_a_spectrum_over_its_range_of_restituti
     assert found.weight == pytest.approx(spectrum.weight[0, inside], rel=1e-6)
     assert np.mean(found.over != np.isinf(spectrum.peak[0, inside])) < 0.01  # rounding at edges
     assert (found.bottom - speed, found.top - speed) == pytest.approx((spectrum.bottom[0], spectrum.top[0]))
+
+
+def test_measured_restitutions_may_leave_a_gap_between_them():
+    """One very low value of C: no lane of the first stage has a level near those between it and the others."""
+    body, gap = BODIES.lane(0).lanes(1), Uncertainty(restitution=(0.1, *(1.0,) * 60))
+    (lanes,) = body_piece_lanes(TIMES, MOTION, body, gap)
+    assert lanes.log_factor.size > 1000
+    assert 0.1 < np.average(lanes.over, weights=lanes.weight) < 0.9

@@ -93,3 +93,28 @@ def test_a_march_from_impact_to_impact_ends_as_one_in_short_steps(ground, p, wal
     survives = np.isfinite(found)
     # Hops of u' up to 1e-3, and those that end within a piece, are left out by the march.
     assert found[survives] == pytest.approx(expected[survives], abs=5e-5)
+
+
+def test_an_impact_and_a_new_fall_within_one_piece_are_found():
+    """A push that lifts at the start of a piece and not at its end: u falls, hits the ground, rises and falls again."""
+    rng = np.random.default_rng(8)
+    ground = rng.normal(size=60) * 4.0
+    lengths, p = np.full(59, 0.1), 1.2
+    log_x, restitution = rng.uniform(0.0, 2.0, 60), rng.uniform(0.3, 0.6, 60)
+    coarse, fine = (
+        march_one_rate(
+            SlenderGround(divided(lengths, ground, parts), p, True), log_x, restitution, rotations=True, threads=1
+        )
+        for parts in (1, 8)
+    )
+    assert np.array_equal(np.isinf(coarse), np.isinf(fine))
+    survives = np.isfinite(fine)
+    assert coarse[survives] == pytest.approx(fine[survives], abs=1e-4)
+
+
+def divided(lengths, ground, parts):
+    """Lengths and accelerations at both ends of the pieces of a ground motion, each in equal parts."""
+    times = np.append(0.0, np.cumsum(lengths))
+    fine = np.interp(np.linspace(0.0, lengths.size, parts * lengths.size + 1), np.arange(lengths.size + 1), times)
+    values = np.interp(fine, times, ground)
+    return np.diff(fine), values[:-1], values[1:]
