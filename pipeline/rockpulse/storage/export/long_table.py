@@ -175,7 +175,7 @@ def results_table(
     --------
     >>> worst = rp.results_table("results.h5", model="nonlinear", sort="factor_10", limit=2)
     >>> worst[["record", "block"]].values.tolist()
-    [['burst.2', 'stele'], ['burst.1', 'stele']]
+    [['burst.2', 'stele'], ['burst.3', 'stele']]
     """
     names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
     selection = RowSelection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
