@@ -117,8 +117,9 @@ def test_the_spectrum_of_the_rule_is_its_demand():
     rates = np.log(rule.spectrum_lanes(wave).p)
     read = [np.exp(np.interp(np.log(block.p[i]), rates, np.log(spectrum[:, i]))) for i in range(2)]
     demand = rule.demand(wave, block) * block.gravity * np.tan(block.alpha_c) / block.p
-    # The spectrum is read between its p, and has other lanes than the march at the p and C of a body.
-    assert read == pytest.approx(demand, rel=0.04)
+    # The spectrum is read between its p, and has other lanes than the march at the p and C of a body. Each has a
+    # standard deviation of 0.02 (docs/decisions/018), and 0.08 is nearly three times that of their difference.
+    assert np.array(read) == pytest.approx(demand, rel=0.08)
 
 
 @pytest.mark.parametrize(
