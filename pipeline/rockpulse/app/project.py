@@ -240,7 +240,7 @@ class Project:
         if not self.record_files() and given.paths in ((), (RECORDS,)):
             return [], []
         with self._reading:
-            folders = sorted({one.path.parent for one in find_files(paths)[0]})
+            folders = sorted({Path(one.path).parent for one in find_files(paths)[0]})
             stats = [(path, path.stat()) for folder in folders for path in sorted(folder.iterdir()) if path.exists()]
             state = given, [(path, found.st_size, found.st_mtime_ns) for path, found in stats]
             if self._state != state:

@@ -33,7 +33,7 @@ PathLike = str | os.PathLike[str]
 class Found(NamedTuple):
     """A file or a zip archive to read; `named` is true if the user named the file itself."""
 
-    path: Path
+    path: str
     named: bool
 
 
@@ -176,7 +176,7 @@ def read_all(
             except (RockpulseError, OSError) as fault:
                 failures.append(read_failure(item, opened.name, fault))
         if on_file is not None:
-            on_file(str(item.path))
+            on_file(item.path)
     whole, duplicates = settled(records, sample_digest)
     return [record for record, _ in whole], sorted(failures + duplicates, key=in_order)
 
@@ -203,7 +203,7 @@ def find_files(
                 found[key] = item
     own = {identity for path in passed_over if (identity := _identity(path)) is not None}
     kept = [item for item in found.values() if not own or _identity(item.path) not in own]
-    return sorted(kept, key=lambda item: str(item.path)), failures
+    return sorted(kept), failures
 
 
 def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
@@ -217,10 +217,10 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
         items, faults = _walk(path)
         lacking = "no file to read in the folder; check it" if not faults else ""
     elif os.path.lexists(path):
-        items = [Found(path, True)]
+        items = [Found(str(path), True)]
     elif glob.has_magic(text):
         for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
-            inside, missed = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(hit, False)], [])
+            inside, missed = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(str(hit), False)], [])
             items += inside
             faults += missed
         lacking = "the pattern matches no file; check it"
@@ -233,10 +233,10 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
 
 def check_patterns(found: Sequence[Found], options: ReadOptions) -> None:
     """Raise ConfigError if a pattern of `files` matches no file, or a name in `pairs` does not match exactly one."""
-    names = [str(item.path) for item in found]
+    names = [item.path for item in found]
     missed = [row for row in options.files if not any(map(row.chooses, names))]
     if missed or options.pairs:
-        names += [name for item in found for name in _member_names(item.path)]
+        names += [name for item in found for name in _member_names(Path(item.path))]
         check_pairs(names, options.pairs)
         missed = [row for row in missed if not any(map(row.chooses, names))]
     if missed and names:
@@ -273,7 +273,7 @@ def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
     for parent, folders, files in os.walk(folder, onerror=faults.append):
         folders[:] = [name for name in folders if not name.startswith(".")]
         paths = [Path(parent, name) for name in files if not name.startswith(".")]
-        items += [Found(path, False) for path in paths if not _quiet_file(path)]
+        items += [Found(str(path), False) for path in paths if not _quiet_file(path)]
     return items, [Failure(str(fault.filename), "find", str(fault), "failed") for fault in faults]
 
 
@@ -283,7 +283,7 @@ def _quiet_file(path: Path) -> bool:
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
     """Yield the opened file, or each opened member of an archive; an error is yielded instead of being raised."""
-    path = found.path
+    path = Path(found.path)
     try:
         source.check_link(path)
         check_regular(path, RecordRefused)
@@ -316,7 +316,7 @@ def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
 
 def read_failure(found: Found, name: str, fault: Exception) -> Failure:
     """Return the failure for a file or a member of an archive that has no record because of `fault`."""
-    named = found.named and name == str(found.path)
+    named = found.named and name == found.path
     if isinstance(fault, source.NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"

@@ -1,11 +1,12 @@
 """Selects horizontal channels, finds pairs among them, and finds the vertical channel recorded with each channel."""
 
+import os
 import re
+import sys
 from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import PurePath
 
 import numpy as np
 
@@ -273,7 +274,12 @@ def _together(record: Record, other: Record) -> bool:
 
 def _occasion(record: Record) -> tuple[object, ...]:
     """Return the event, station, sampling interval and folder, by which channels without a start time are matched."""
-    return record.event, record.station_name, record.dt, PurePath(record.source).parent
+    return record.event, record.station_name, record.dt, folder_of(record)
+
+
+def folder_of(record: Record) -> str:
+    """Return the folder of a record; one text in memory for all its files, which PurePath would keep by name, too."""
+    return sys.intern(os.path.dirname(record.source))  # noqa: PTH120
 
 
 def _overlap(record: Record, other: Record) -> float:

@@ -25,8 +25,8 @@ from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
 
-#: Largest size of the values that are written at once [bytes].
-CHUNK = 32 * 1024**2
+#: Largest size of the values that are written at once [bytes], and number of rows of /failures.
+CHUNK, FAILURES = 8 * 1024**2, 1024
 #: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
 #: Variables of /summary from which /directions is computed.
@@ -147,15 +147,16 @@ def _create_variables(
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
             continue
-        if node.path == "/failures":
-            dataset = failure_table(failures)
-        sizes = {"pair": pairs} if node.path == "/directions" else {}
+        sizes = {"/directions": {"pair": pairs}, "/failures": {"failure": len(failures)}}.get(node.path, {})
         growing = [name for name in dataset.variables if f"{node.path}/{name}" in totals]
         sizes |= {str(dataset[name].dims[0]): totals[f"{node.path}/{name}"] for name in growing}
         add_dataset(writer, node.path, dataset, dataset.attrs, sizes)
         for name, variable in dataset.variables.items():
-            if name not in growing and variable.dims[:1] != ("pair",):
+            if name not in growing and variable.dims[:1] not in (("pair",), ("failure",)):
                 writer.append(f"{node.path}/{name}", variable.values)
+    for begin in range(0, len(failures), FAILURES):
+        for name, variable in failure_table(failures[begin : begin + FAILURES]).variables.items():
+            writer.append(f"/failures/{name}", variable.values)
 
 
 def _write_parts(writer: TreeWriter, parts: Iterable[Part]) -> None:

@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import TakenFrom, Task, carry_out, digest_of, read_options, tasks_of, warm_up
+from rockpulse.run.tasks import TakenFrom, Task, carry_out, compile_kernels, digest_of, read_options, tasks_of
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
@@ -225,7 +226,7 @@ class _Batch:
         if workers == 1:
             return resources.enter_context(WorkerPool.inline())
         resources.close()  # ends the earlier workers
-        warm_up(self.analysis)  # compile here once instead of in every worker
+        compile_kernels(self.analysis)  # here once instead of in every worker
         return resources.enter_context(WorkerPool.local(int(workers)))
 
     def surveyed(self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]) -> Surveyed:
@@ -237,7 +238,7 @@ class _Batch:
         with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
             for one, survey in pool.run(look, TakenFrom(found)):
                 if isinstance(survey, WorkerLost):
-                    rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
+                    rows.append(Failure(one.path, "read", f"{one.path}: {survey.reason}", "failed"))
                     unread += 1
                     self.stop_at(rows)
                 else:
@@ -297,8 +298,9 @@ class _Batch:
                     lost[task.key] = [Failure(task.source, analysis.name, reason, "failed")]
                     logger.error("%s", reason)
                     self.stop_at(lost[task.key])
-                else:
-                    self.journal.add(done)
+                else:  # the texts of the task are in memory already
+                    fingerprint = task.fingerprint if done.fingerprint == task.fingerprint else done.fingerprint
+                    self.journal.add(replace(done, key=task.key, fingerprint=fingerprint))
                     _log(done.messages)
                     for step, taken in done.seconds.items():
                         report.seconds[step] = report.seconds.get(step, 0.0) + taken

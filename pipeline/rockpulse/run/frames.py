@@ -62,6 +62,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 class Frame(NamedTuple):
     """An entry (frame) of a file: a head in JSON whose checksum is correct, and a body of bytes that may be damaged."""
 
+    start: int  # position in the file
     head: dict[str, Any]
     body: int  # position of the body in the file
     sizes: tuple[tuple[int, int], ...]  # size and CRC of each part of the body
@@ -96,7 +97,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
     except OSError:
         file.truncate(place)
         raise
-    return Frame(head, place + len(start) + len(text), sizes)
+    return Frame(place, head, place + len(start) + len(text), sizes)
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
@@ -106,7 +107,7 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
     place = end = gaps = 0
     cut_off = True
     while place < size:
-        if (frame := _frame(file, place, size)) is not None:
+        if (frame := frame_at(file, place, size)) is not None:
             gaps += place > end
             found.append(frame)
             place = end = frame.end
@@ -116,8 +117,8 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
     return found, end, gaps + (end < size and not cut_off)
 
 
-def _frame(file: FileIO, place: int, size: int) -> Frame | None:
-    """Return the frame at a position, or None if there is no complete frame."""
+def frame_at(file: FileIO, place: int, size: int) -> Frame | None:
+    """Return the frame at a position of a file of a given size, or None if there is no complete frame."""
     start = _read(file, place, START.size)
     if len(start) < START.size or not start.startswith(MARK):
         return None
@@ -134,7 +135,7 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):  # written by another program
         return None
     whole = all(part >= 0 for part, _ in sizes) and sum(part for part, _ in sizes) == body
-    return Frame(head, begin, sizes) if whole else None
+    return Frame(place, head, begin, sizes) if whole else None
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:

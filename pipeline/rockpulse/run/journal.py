@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
 from rockpulse.foreign_text import in_utf8
-from rockpulse.run.frames import MARK, Frame, append, frames_of
+from rockpulse.run.frames import MARK, Frame, append, frame_at, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
@@ -100,6 +100,15 @@ class JournalError(ResultsError):
         super().__init__(message, tells_resume)
 
 
+class _Kept(NamedTuple):
+    """What is kept in memory of the frame of a task: as little as possible, as there may be 100,000 of them."""
+
+    fingerprint: str
+    failures: tuple[Failure, ...]
+    parts: int  # number of them
+    start: int  # position of the frame in the file
+
+
 class Journal:
     """The results of finished tasks, stored in a file; :meth:`open` returns it for use in a ``with`` block."""
 
@@ -108,7 +117,7 @@ class Journal:
         self.path, self.run_id, self._started = path, "", ""
         self.appends = ""  # run_id of the results file to which the run appends
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
-        self._kept: dict[str, Frame] = {}
+        self._kept: dict[str, _Kept] = {}
         for frame in frames:
             if not _is_ours(frame.head):
                 self.gaps += 1
@@ -180,7 +189,7 @@ class Journal:
     @property
     def complete(self) -> set[str]:
         """Keys of all finished tasks, including tasks of earlier runs with other files or options."""
-        return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
+        return {key for key, kept in self._kept.items() if kept.fingerprint != UNFINISHED}
 
     def __enter__(self) -> Self:
         return self
@@ -199,12 +208,11 @@ class Journal:
 
     def finished(self) -> dict[str, str]:
         """Return the fingerprint of each finished task, by its key."""
-        return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
+        return {key: kept.fingerprint for key, kept in self._kept.items()}
 
     def failures(self) -> dict[str, list[Failure]]:
         """Return the failures of each finished task, by its key."""
-        rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
-        return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
+        return {key: [*kept.failures] for key, kept in self._kept.items() if kept.failures}
 
     def add(self, done: Done) -> None:
         """Save the result of a task on the disk, replacing an earlier result; raise JournalError if writing fails."""
@@ -225,7 +233,7 @@ class Journal:
 
     def count(self, key: str) -> int:
         """Return how many parts of results a finished task has."""
-        return len(self._kept[key].sizes)
+        return self._kept[key].parts
 
     def parts(self, key: str) -> tuple[bytes, ...]:
         """Return the parts of the results of a finished task; raise JournalError if they are damaged."""
@@ -284,13 +292,13 @@ class Journal:
         return frame
 
     def _keep(self, frame: Frame) -> None:
-        """Keep a frame of a task; to save memory, its head is reduced to the fingerprint and the failures."""
-        own = {name: frame.head[name] for name in ("fingerprint", "failures")}
-        self._kept[frame.head["key"]] = frame._replace(head=own)
+        head, failures = frame.head, tuple(Failure(*row) for row in frame.head["failures"])
+        self._kept[head["key"]] = _Kept(head["fingerprint"], failures, len(frame.sizes), frame.start)
 
     def _parts(self, key: str) -> tuple[bytes, ...] | None:
         try:
-            return self._kept[key].parts(self._file)
+            frame = frame_at(self._file, self._kept[key].start, self._end)
+            return None if frame is None else frame.parts(self._file)
         except OSError as error:
             raise JournalError(f"{self.path}: cannot be read: {error.strerror or error}") from error
 

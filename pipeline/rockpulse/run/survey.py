@@ -109,7 +109,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
             fault = unexpected_fault(fault)
         failures.append(read_failure(found, name, fault))
 
-    name = str(found.path)
+    name = found.path
     try:
         for opened in open_files(found, folder_station_files):
             try:

@@ -7,9 +7,11 @@ import time
 import traceback
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path
 from threading import get_ident
 from typing import Any, TypeVar
@@ -19,6 +21,7 @@ import numpy as np
 import rocking
 from rocking.body.block import Block
 from rocking.kernel_cache import logger as kernel_logger
+from rocking.kernel_cache import stored_mark
 from rocking.march.demand import ground_demand
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
@@ -160,12 +163,8 @@ def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, 
     text = replace(config, bodies=(), run=replace(config.run, workers=1)).as_text()
     table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
-    return _digest(
-        [
-            *(verb, text, config.bodies_digest, weights),
-            *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks),
-        ]
-    )
+    rows = (f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in sorted(tasks, key=attrgetter("key")))
+    return _digest(chain([verb, text, config.bodies_digest, weights], rows))
 
 
 def _as_default(settings: Any, keys: Iterable[str]) -> Any:
@@ -189,7 +188,10 @@ def _facts_of(record: Record, places: tuple[SamplesLocation, ...]) -> list[str]:
 
 
 def _digest(texts: Iterable[str]) -> str:
-    return hashlib.sha256(repr(list(texts)).encode()).hexdigest()
+    digest = hashlib.sha256()
+    for text in texts:
+        digest.update(f"{text!r}\n".encode())
+    return digest.hexdigest()
 
 
 def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
@@ -249,16 +251,31 @@ def _log_lines() -> Iterator[list[Message]]:
             logger.removeFilter(take)
 
 
-def warm_up(analysis: Analysis) -> None:
-    """Compile or load every kernel of an analysis by processing a short artificial record."""
-    config = analysis.config
-    plain = Config(
+def compile_kernels(analysis: Analysis) -> None:
+    """Compile the kernels of an analysis for the workers, unless an earlier run on this processor has stored them."""
+    work = f"{analysis.name} {_short_work(analysis.config).as_text()}"
+    with suppress(OSError):  # of a folder that does not exist
+        if stored_mark(work).exists():
+            return
+    warm_up(analysis)
+    with suppress(OSError):  # reported when the kernels could not be stored
+        stored_mark(work).touch()
+
+
+def _short_work(config: Config) -> Config:
+    """Return the options that require the same kernels as `config`, with little work."""
+    return Config(
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
         uncertainty=replace(config.uncertainty, azimuth=False),
         calibration=CalibrationSettings(spectrum=config.calibration.spectrum),
         fragility=replace(config.fragility, pga_min=0.0),
     )
+
+
+def warm_up(analysis: Analysis) -> None:
+    """Compile or load every kernel of an analysis by processing a short artificial record."""
+    plain = _short_work(analysis.config)
     time = 0.01 * np.arange(801)
     motion = 6.0 * np.exp(-time / 3.0) * (np.sin(5.0 * time) + 0.5 * np.sin(23.0 * time))
     record = Record(motion, dt=0.01, id="warm-up", processed=True)

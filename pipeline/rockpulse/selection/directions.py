@@ -89,6 +89,7 @@ def plan_motions(
     pairs, alone = find_pairs(horizontal)
     partner = {id(one): other for pair in pairs for one, other in (pair.channels, pair.channels[::-1])}
     if config.records.components == "horizontal":
+        alone.clear()  # there may be 100,000 of these rows
         planned = [PlannedMotion(record.id, (record,)) for record in horizontal]
     else:
         facing = [_facing(record, config.records.azimuth) for record in horizontal if id(record) not in partner]

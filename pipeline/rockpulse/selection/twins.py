@@ -4,6 +4,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import PurePath
 from typing import Literal, NamedTuple
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from rockpulse.errors import Failure
 from rockpulse.readers.kit.channel import SIGNS
-from rockpulse.record.components import concurrent, instrument, offset, sensor_level
+from rockpulse.record.components import concurrent, folder_of, instrument, offset, sensor_level
 from rockpulse.record.defects import deciding, with_defects
 from rockpulse.record.record import Record, id_matches, outline_of
 from rockpulse.warning_text import WarningText, find
@@ -216,7 +217,7 @@ def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) ->
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:
-            recorded = record.event, record.station_name, PurePath(record.source).parent
+            recorded = record.event, record.station_name, folder_of(record)
             groups[*instrument(record), *recorded].append(record)
     pairs = [group for group in groups.values() if len(group) == 2 and group[0].dt != group[1].dt]
     return {id(one): other for pair in pairs for one, other in (pair, pair[::-1])}
@@ -224,18 +225,20 @@ def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) ->
 
 def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
     """Return, by ``id(record)``, a record of another file with the same length and nearly the same growth of energy."""
-    groups: dict[tuple[int, float], list[tuple[tuple[float, ...], Record]]] = defaultdict(list)
-    for record in records:
-        if outline := outline_of(record):
-            groups[record.npts, record.dt].append((outline[2:], record))
+    groups: dict[tuple[int, float], list[Record]] = defaultdict(list)
+    for record in sorted(records, key=attrgetter("id")):
+        if outline_of(record):
+            groups[record.npts, record.dt].append(record)
     found: dict[int, Record] = {}
     for (_, dt), group in groups.items():
-        group.sort(key=lambda one: (one[0][2], one[1].id))
-        times = np.array([each for each, _ in group]).T.copy()
-        near = np.searchsorted(times[2], times[2] + np.array([[-2.1], [2.1]]) * dt).T.tolist()
-        for place, ((first, last), (_, record)) in enumerate(zip(near, group, strict=True)):
+        outlines = np.fromiter((outline_of(record)[2:] for record in group), (float, 5), len(group))
+        order = np.argsort(outlines[:, 2], kind="stable")
+        times, group = outlines[order].T.copy(), [group[place] for place in order.tolist()]
+        firsts, lasts = np.searchsorted(times[2], times[2] + np.array([[-2.1], [2.1]]) * dt)
+        for place, record in enumerate(group):
+            first, last = firsts[place], lasts[place]
             alike = np.all(np.abs(times[:, first:last] - times[:, place, None]) <= 2.0 * dt, axis=0)
-            others = (group[first + step][1] for step in np.flatnonzero(alike).tolist())
+            others = (group[first + step] for step in np.flatnonzero(alike).tolist())
             if other := next((one for one in others if one.source != record.source), None):
                 found[id(record)] = other
     return found

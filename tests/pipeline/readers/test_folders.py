@@ -5,6 +5,7 @@ import hashlib
 import os
 from dataclasses import replace
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -137,7 +138,7 @@ def test_a_file_without_accelerations_tells_whose_they_would_be(tmp_path, sample
 
 def test_what_is_not_there_does_not_hide_what_comes_behind_it(folder):
     found, failures = find_files(["", folder / "none", str(folder / "*.none"), folder / "sub" / "a.AT2"])
-    assert [item.path.name for item in found] == ["a.AT2"]
+    assert [Path(item.path).name for item in found] == ["a.AT2"]
     assert [failure.reason.rpartition(": ")[2][:16] for failure in failures] == [
         *("an empty path wa", "no such file or ", "the pattern matc")
     ]
@@ -148,7 +149,7 @@ def test_patterns_are_not_held_against_the_inside_of_a_pipe(tmp_path, monkeypatc
     monkeypatch.setattr(folders.source, "is_archive", lambda path: pytest.fail("to open it would wait for its writer"))
     options = ReadOptions(files=(FileSettings(match="x", units="g"),))
     with pytest.raises(ConfigError, match="matches none of the files to read"):
-        check_patterns([Found(tmp_path / "pipe", True)], options)
+        check_patterns([Found(str(tmp_path / "pipe"), True)], options)
     check_patterns([], options)
 
 
@@ -168,7 +169,7 @@ def test_files_of_the_run_are_no_input_whatever_leads_to_them(folder):
         [folder / "sub" / ".." / "link.txt", folder],
     ):
         found, failures = find_files(paths, (folder / "run.log", folder / "none.h5"))
-        assert sorted(item.path.name for item in found) == ["a.AT2", "a.VT2", "b.AT2", "notes.txt"]
+        assert sorted(Path(item.path).name for item in found) == ["a.AT2", "a.VT2", "b.AT2", "notes.txt"]
         assert failures == []
 
 

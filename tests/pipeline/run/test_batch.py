@@ -161,7 +161,7 @@ def test_the_functions_take_progress_and_failures(verb):
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     started = []
     without_results(monkeypatch)
-    monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
+    monkeypatch.setattr(run, "compile_kernels", lambda *args, **kwargs: None)
     monkeypatch.setattr(
         run.WorkerPool, "local", lambda workers: started.append(workers) or run.WorkerPool(None, lambda: workers)
     )

@@ -142,7 +142,7 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
         raise RuntimeError("no process can be started")
 
     with monkeypatch.context() as patch:
-        patch.setattr(batch, "warm_up", lambda analysis: None)
+        patch.setattr(batch, "compile_kernels", lambda analysis: None)
         patch.setattr(WorkerProcesses, "submit", broken)
         with pytest.raises(RuntimeError, match="no process can be started"):
             command(folder, tmp_path / "r.h5", "--workers", "2")

@@ -221,7 +221,7 @@ def of_damaged_files(step):
         try:
             warnings |= {str(one): one for record in read_source(file, options) for one in record.warnings}
         except RockpulseError as error:
-            rows.append(read_failure(Found(Path(file.name), True), file.name, error))
+            rows.append(read_failure(Found(file.name, True), file.name, error))
     return rows, list(warnings.values())
 
 
