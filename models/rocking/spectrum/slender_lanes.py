@@ -263,7 +263,7 @@ def _march_lanes(
         top = max(math.log(HIGHEST / largest_impulse(times, ground, rate)), bottom + LEAST_SPAN)
         motion = SlenderGround(pieces, rate, side != 0)
         march = partial(march_one_rate, motion, rotations=rotations, threads=threads)
-        return _both_stages(bottom, top, march, restitutions[place], second, needed)
+        return both_stages(bottom, top, march, restitutions[place], second, needed)
 
     return spread(at_rate, range(rates.size), threads)
 
@@ -298,7 +298,7 @@ def check_strength(ground: np.ndarray) -> None:
         )
 
 
-def _both_stages(
+def both_stages(
     bottom: float,
     top: float,
     march: Callable[[np.ndarray, np.ndarray], np.ndarray],

@@ -205,14 +205,11 @@ def test_an_azimuth_of_the_caller_is_that_of_the_record():
         rp.from_trace(plain(), units="g", azimuth=float("nan"))
 
 
-def test_a_unit_that_contradicts_the_trace_is_refused(record):
+def test_a_unit_that_contradicts_the_trace_and_stats_that_were_tampered_with_are_refused(record):
     with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
         rp.from_trace(rp.to_trace(record), units="g")
     with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
         rp.from_trace(rp.to_trace(record), units="counts", factor=2.0)
-
-
-def test_stats_that_were_tampered_with_are_named(record):
     trace = rp.to_trace(record)
     trace.stats.rockpulse = {"azimuth": 3.0}
     with pytest.raises(RecordFormatError, match=r"expected dt, id in stats.rockpulse, found azimuth"):
@@ -289,13 +286,6 @@ def test_the_entry_points_name_what_is_there(name):
     assert set(points) == {"isFormat", "readFormat"}
     assert points["isFormat"].load() == PLUGINS[name].is_format
     assert points["readFormat"].load() == PLUGINS[name].read_format
-
-
-def test_an_unknown_name_is_no_attribute():
-    from rockpulse.readers import obspy_plugin
-
-    with pytest.raises(AttributeError, match="NOSUCH"):
-        _ = obspy_plugin.NOSUCH
 
 
 @pytest.mark.sweep
