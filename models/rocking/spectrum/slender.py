@@ -1,25 +1,27 @@
 """Motion of slender blocks under a ground motion, from impact to impact by the closed form of the linear equation.
 
-.. note:: With phi = theta/alpha, tau = p t, u = s phi on the side s = 1 or -1, and f = x/p, the equation (Eqs. 1-2) is
-   linear between impacts, u'' = u - 1 - s f a_g. All lanes (each a block at a scale factor) of one p share
-   its bounded particular solution Q (:mod:`.slender_ground`):
+.. note:: With phi = theta/alpha, tau = p t, u = s phi on the side s = 1 or -1, and f = x/p, the equation of
+   :mod:`.slender_lanes` is linear between impacts, u'' = u - 1 - s f a_g. All lanes (each a block at a scale factor) of
+   one p share its bounded particular solution Q (:mod:`.slender_ground`):
 
    u = 1 + s f Q + (A + B)/2,  u' = s f Q' + (A - B)/2,  with A growing as e^tau and B falling as e^-tau,
    A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
 
    So u at any node of the ground motion costs three products, and `search` computes it at a group of nodes at once to
-   find the next node at which the block is near the ground. A group is skipped if u is above that throughout (A and B
-   are monotonic, so they are least at an end of the group). The growing mode is u - 1 + u' = A + s f G. It exceeds -1
-   at all later times, and the block overturns, if A > 0 and A + 1 > f max(-s G).
-   (u'^2 + 2 u - u^2)' = -2 s f a_g u', so the root of u'^2 + 2 u - u^2 changes by at most f abs(a_g) per unit of tau
-   while u is from 0 to 1. It is abs(u') at an impact and at least 1 at u = 1: if u' plus the integral of f abs(a_g) to
-   the end is below 1 at an impact, the block cannot overturn any more.
+   find the next node at which the block is near the ground. A group is skipped if a lower bound of u, from the least s
+   Q and from A and B, each least at one end of the group, is above all heights that `search` calls small. The growing
+   mode is u - 1 + u' = A + s f G; at an impact it is at most -1. It stays above -1, and the block overturns, if A > 0
+   and A + 1 > f max(-s G).
+   (u'^2 + 2 u - u^2)' = -2 s f a_g u', and for u from 0 to 1 abs(u') is at most w, the square root of u'^2 + 2 u - u^2,
+   so w changes by at most f abs(a_g) per unit of tau; impacts reduce it. It is abs(u') at an impact, at least 1 at u =
+   1: if u' after an impact plus the integral of f abs(a_g) to the end is below 1, the block cannot overturn any more.
 
    At an impact s changes its sign (not beside a wall) and u' becomes C abs(u').
-   Near the ground u'' is at most b = f abs(a_g) - 1. If u has been below zero within a piece (between two nodes) of
-   length h but is positive at its end, u is at most (cosh h - 1) max(b) and u' at most sinh(h) max(b) there. If u falls
-   again, u'' is positive at the start, and u + h abs(u')/3 is at most a third of this bound. Other pieces contain no
-   impact. `_may_dip` applies bounds of the same kind, with u'' at both ends, to one piece.
+   In a piece (between two nodes) of length h, u'' <= u + b with b = f abs(a_g) - 1. If u has been below zero within it
+   but is positive at its end, then, from the minimum, u <= (cosh h - 1) max(b) at both ends, u' <= sinh(h) max(b) at
+   the end. If u falls again there, u'' was positive at the start, and for a u'' linear in tau u + h abs(u')/3 is at
+   most h^2 max(b)/6, a third of the bound of u. Other pieces contain no impact. `_may_dip` applies bounds of this kind,
+   with u'' at both ends, to one piece.
    The impacts of `WIDTH` lanes are solved together by three of Halley's steps from the root of a Taylor polynomial, and
    the signs of u'' and of u at its minimum show whether a root is the first one. `first_impact` solves the few cases in
    which it may not be the first one, or in which the steps do not converge.
@@ -62,14 +64,14 @@ from rocking.spectrum.slender_piece import (
     peak_on_still_ground,
 )
 
-#: Impacts slower than this u' [-] end the motion unless the ground lifts the block: u would only reach 5e-7.
+#: Impacts slower than this u' [-] end the motion unless the ground lifts the block: on still ground u reaches 5e-7.
 SLOWEST = 1e-3
 #: Number of lanes whose impacts are solved together.
 WIDTH = 16
 #: The last of Halley's steps is at most this share of tau: the error is about its third power.
 CONVERGED = 1e-5
-#: Rows of the state of lanes, each with `WIDTH` values, at a point of a piece: u, u', s f a_g and its rate, the length
-#: left in the piece, u and u' at the end of the piece.
+#: Start of each row of `s` (in the code the state of lanes; the side s is its row SIDE), at a point of a piece: u, u',
+#: s f a_g and its rate, the length left in the piece, u and u' at the end of the piece.
 U, V, PUSH, RATE, LEFT, END_U, END_V = (np.uint64(WIDTH * row) for row in range(7))
 #: Rows of the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), the largest u, f times the
 #: acceleration that can lift the block at the end of the piece, and what follows the solution of an impact.
@@ -91,8 +93,8 @@ def _solve_impacts(s, wall):
         end, speed = u + v * left + bend * even + twist * odd, v + bend * (left + odd) + twist * even
         last = bend * (1.0 + even) + twist * (left + odd)
         s[END_U + i], s[END_V + i] = end, speed
-        # Begin at the root of the Taylor polynomial of a hop (u is small), of u at the end if it is concave there only,
-        # or of u at the start.
+        # Begin at the root of the Taylor polynomial of a hop if u is small (a share of 0.2), of u at the end if it is
+        # concave there only, or of u at the start.
         hop = first_root(v, 0.5 * bend, twist / 6.0)
         late = left - first_root(-end, speed, -0.5 * last)
         tau = late if (bend > 0.0) & (last < 0.0) else first_root(u, v, 0.5 * bend)
@@ -103,9 +105,9 @@ def _solve_impacts(s, wall):
         _, tau = halley_step(tau, u, v, bend, twist, left)
         step, tau = halley_step(tau, u, v, bend, twist, left)
         even, odd = hyperbolic(tau)
-        fall, curve = -(v + bend * (tau + odd) + twist * even), bend * (1.0 + even) + twist * (tau + odd)
-        height = u + v * tau + bend * even + twist * odd
-        solved = (fall > 0.0) & (abs(step) <= CONVERGED * tau) & (abs(height) <= CONVERGED * fall * tau)
+        impact_speed, curve = -(v + bend * (tau + odd) + twist * even), bend * (1.0 + even) + twist * (tau + odd)
+        height = u + v * tau + bend * even + twist * odd  # not zero if the step was limited to the piece
+        close = (abs(step) <= CONVERGED * tau) & (abs(height) <= CONVERGED * impact_speed * tau)
         # u'' changes its sign once at most, so an earlier impact is possible only if u falls, is convex, then concave.
         # The minimum of u is at the first zero of v + bend t + twist t^2/2; 2 % exceed the error of this polynomial.
         under = bend * bend - 2.0 * twist * v
@@ -114,15 +116,15 @@ def _solve_impacts(s, wall):
         even, odd = hyperbolic(low)
         above = (under < -0.02 * bend * bend) | (u + v * low + bend * even + twist * odd > 0.02 * u)
         first = (bend <= 0.0) | (curve >= 0.0) | (v >= 0.0) | above
-        _bounce(s, i, tau, fall, solved & first, wall)
+        _bounce(s, i, tau, impact_speed, (impact_speed > 0.0) & close & first, wall)
 
 
 @njit(inline="always", _nrt=False)
-def _bounce(s, i, tau, fall, solved, wall):
-    """Apply the impact of block i at `tau` with u' = -`fall` if it is `solved`, and write what follows."""
+def _bounce(s, i, tau, impact_speed, solved, wall):
+    """Apply the impact of block i at `tau` with u' = -`impact_speed` if it is `solved`, and write what follows."""
     turn = 1.0 if wall else -1.0
     push, rate, left = turn * (s[PUSH + i] + s[RATE + i] * tau), turn * s[RATE + i], s[LEFT + i] - tau
-    v = s[RESTITUTION + i] * (fall if fall > 0.0 else 0.0)
+    v = s[RESTITUTION + i] * (impact_speed if impact_speed > 0.0 else 0.0)
     bend, twist = -1.0 - push, v - rate
     even, odd = hyperbolic(left)
     end, speed = v * left + bend * even + twist * odd, v + bend * (left + odd) + twist * even
@@ -143,7 +145,7 @@ def _bounce(s, i, tau, fall, solved, wall):
 def _raise_peak(s, i, u, v, push, rate, left):
     """Update the largest u of block i from its motion within `left` after a point with u and u' = `v`."""
     bend, twist = u - 1.0 - push, v - rate
-    if u + v * left + (1.0 + abs(push)) * left * left < s[PEAK + i]:
+    if u + v * left + max(bend, 0.0) * left * left < s[PEAK + i]:  # u'' is at most max(bend, 0) before a peak
         return
     tau = min(-1.01 * bend / twist, left) if bend > 0.0 > twist else 0.0  # from where u is concave
     for _ in range(6):
@@ -204,6 +206,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
         return FINAL
     force = side * strength
     block = k // BLOCK
+    # A/2 and B/2 at the start of the group; their terms in u at a node are grow UP and fall DOWN.
     grow = 0.5 * (u - 1.0 + v - force * (points[k, RESPONSE] + points[k, SPEED])) * points[k, DOWN]
     fall = 0.5 * (u - 1.0 - v - force * (points[k, RESPONSE] - points[k, SPEED])) * points[k, UP]
     grow_before, fall_before = grow, fall
@@ -213,6 +216,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
             return ENDED
         first = block * BLOCK
         pushed = max(strength * blocks[block, HIGHEST] - 1.0, 0.0)
+        # After a dip below zero u <= REACH b = near and u' <= h b = sqrt(2 near b), with b = `pushed`.
         near = blocks[block, REACH] * pushed
         growth, decay, whole = blocks[block, GROWTH], blocks[block, DECAY], first + BLOCK <= count
         least = 1.0 + force * blocks[block, LEAST if side > 0.0 else MOST]
@@ -220,6 +224,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
         if peaks or not whole or least <= near:
             found = search(rows[block], k - first, force, grow, fall, near, math.sqrt(2.0 * near * pushed))
             if peaks:
+                # From a peak, u falls by at most REACH (1 + f abs(a_g)) to the next node: u'' >= u - 1 - f abs(a_g).
                 high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
                 end = min(first + found // 2, first + BLOCK - 1, count)
                 if exceeds(rows[block], k - first, force, grow, fall, high):
@@ -256,13 +261,10 @@ def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
         up, down = grow * points[k, UP], fall * points[k, DOWN]
         u = 1.0 + force * points[k, RESPONSE] + up + down
         if u + margin > s[PEAK + i]:
-            v = force * points[k, SPEED] + up - down
-            if v > 0.0:
-                s[PEAK + i] = max(s[PEAK + i], u)
-            else:
-                piece = k - 1
-                end = points[piece, START] + points[piece, SLOPE] * points[piece, LENGTH]
-                _raise_peak(s, i, u, -v, force * end, -force * points[piece, SLOPE], points[piece, LENGTH])
+            v, piece = force * points[k, SPEED] + up - down, k - 1
+            end = points[piece, START] + points[piece, SLOPE] * points[piece, LENGTH]
+            # In reversed time (u' and the slope of a_g change their signs) the peak comes after the node.
+            _raise_peak(s, i, u, -v, force * end, -force * points[piece, SLOPE], points[piece, LENGTH])
 
 
 @njit(inline="always", _nrt=False)
@@ -295,6 +297,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
 
     Return this piece, ENDED, FINAL or SAFE. `passed` is True if the rest of piece `k` is known to contain no impact.
     """
+    # Only the verdict is needed without `peaks`.
     if not (passed or peaks) and s[V + i] + s[STRENGTH + i] * blocks[k // BLOCK, IMPULSE] < 1.0:
         return SAFE
     while True:
@@ -309,7 +312,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
                 return k
             if _may_dip(s, i):
                 return k
-        if peaks and s[V + i] >= 0.0 > s[END_V + i]:
+        if peaks and k >= 0 and s[V + i] >= 0.0:
             _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
         k = _fly(s, i, k + 1, count, points, rows, blocks, peaks)
         if k < 0:

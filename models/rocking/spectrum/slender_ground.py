@@ -27,9 +27,9 @@ AT_ONCE = 2**16
 #: can lift a block at rest [m/s2].
 LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
 #: Columns of `Tables.blocks`, for each group: e^tau over the group and its reciprocal; the largest LIFTING in the group
-#: and at the node before it; cosh h - 1 of the longest piece that ends in the group; the largest abs(a_g) of all; the
-#: least and the largest Q; from the group on, upper bounds of -G, of G (AHEAD + 1) and of the integral of abs(a_g).
-#: Those from AHEAD on, at the first group, are `left` of the tables before.
+#: and at the node before it; 1.01 h^2/2, a bound of cosh h - 1, for the longest piece that ends in the group; the
+#: largest abs(a_g) of all; the least and the largest Q; from the group on, upper bounds of -G, of G (AHEAD + 1) and of
+#: the integral of abs(a_g). Those from AHEAD on, at the first group, are `left` of the tables before.
 GROWTH, DECAY, HIGHEST, REACH, STRONGEST, LEAST, MOST, AHEAD, _, IMPULSE = range(10)
 
 
@@ -56,14 +56,15 @@ def search(row, begin, force, grow, fall, near, fastest):
     third of `near` for the length h = 2 near/fastest of a piece, at whose start u'' was not negative. The result is
     2 BLOCK if there is no such node.
     """
+    # 2 % below h/3 (h = 2 near/fastest) and 5 % above near/3, because u'' is not quite linear.
     length = 0.65 * near / max(fastest, 1e-300)
-    q, rate, up, down, pushed = row[0], row[1], row[2], row[3], row[4]
+    q, rate, up, down, start = row[0], row[1], row[2], row[3], row[4]
     found = 2 * BLOCK
     for j in range(BLOCK):
         grown, fallen = grow * up[j], fall * down[j]
         u, v = 1.0 + force * q[j] + grown + fallen, force * rate[j] + grown - fallen
         rises = (u <= near) & (v > 0.0) & (v <= fastest)
-        falls = (v <= 0.0) & (u - length * v <= 0.35 * near) & (-force * pushed[j] >= 1.0 - near)
+        falls = (v <= 0.0) & (u - length * v <= 0.35 * near) & (-force * start[j] >= 1.0 - near)
         small = rises | falls
         place = 2 * j if u <= 0.0 else 2 * j + 1
         found = min(found, place if ((u <= 0.0) | small) & (j > begin) else 2 * BLOCK)
@@ -88,6 +89,7 @@ def _fill_points(length, start, slope, past, future, points, rows):
     for k in range(count - 1, -1, -1):
         even, odd = hyperbolic(length[k])
         decay = 1.0 - length[k] + even - odd
+        # Integral of t e^-t over the piece; that of t e^-(h - t) is e^-h - 1 + h = even - odd below.
         ramp = length[k] * (length[k] - even + odd) - even + odd
         future = future * decay + start[k] * (1.0 - decay) + slope[k] * ramp
         points[k, RESPONSE] = future
@@ -139,6 +141,7 @@ def _fill_blocks(ends, wall, left, points, blocks):
         blocks[block, AHEAD + 1] = max(blocks[block, AHEAD + 1], after)
         blocks[block, GROWTH] = points[k, UP] * (1.0 + points[k, LENGTH] + even + odd)
     minus, plus, later = max(left[0], 0.0), max(left[1], 0.0), left[2]
+    # Between nodes G differs from the nearer one by at most h/2 abs(G - a_g), with abs(G) <= largest + strongest.
     slack = 0.5 * longest * (largest + 2.0 * strongest)
     for block in range(blocks.shape[0] - 1, -1, -1):
         minus, plus = max(minus, blocks[block, AHEAD]), max(plus, blocks[block, AHEAD + 1])

@@ -36,23 +36,24 @@ STRONGEST = 1e6
 SHORTEST = 1e-12
 #: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
 LEAST_RESTITUTION = 0.7125
-#: Lanes up to this restitution represent 1, for bodies whose uncertain C exceeds it; their motion has MOST_RESTITUTION.
+#: Lanes up to this restitution represent 1, for bodies whose uncertain C exceeds it; their motion has MOST_RESTITUTION
+#: (docs/decisions/018).
 BEYOND = 1.025
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
 #: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
 #: (docs/decisions/018).
 FIRST, SECOND, SECOND_OF_BODY = 144, 700, 1600
-#: Upper end of the first stage, as a multiple of the weighted impulse that overturns a resting block.
+#: Upper end of the first stage before extensions, as a multiple of the weighted impulse that overturns a resting block.
 HIGHEST = 1.0 / 0.06
 #: Smallest length of the first stage above uplift, in ln x [-].
 LEAST_SPAN = 0.7
 #: The first stage is extended if a lane survives in this upper share of its range; largest number of extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
-#: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
+#: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE), with any MIDDLE.
 SLOPE, MIDDLE = 1.3, 0.85
-#: Width in ln x over which the outcomes of the first stage are averaged; smallest density of the second stage divided
-#: by its density at P = 0.5.
+#: Width in ln x over which the outcomes of the first stage are averaged; density that is added everywhere, as a share
+#: of sqrt(P (1 - P)) at P = 0.5.
 NEIGHBOURS, FLOOR = 0.12, 0.08
 #: Number of points at which the density of the second stage is computed, and decimal digits of P there.
 POINTS, SHARE_DIGITS = 161, 12
@@ -312,12 +313,12 @@ def both_stages(
     """
     given = restitutions(_ranks(FIRST, 0.5))
     restitution = np.minimum(given, MOST_RESTITUTION)
-    for _ in range(WIDENINGS):
+    for extension in range(WIDENINGS + 1):
+        top += LEAST_SPAN if extension > 0 else 0.0
         log_x = bottom + (top - bottom) * ((np.arange(FIRST) + 0.5) / FIRST)
         peak = march(log_x, restitution)
         if np.all(np.isinf(peak[log_x > bottom + (1.0 - LAST_SHARE) * (top - bottom)])):
             break
-        top += LEAST_SPAN
     least, most = np.minimum(restitutions(np.array([0.0, 1.0])), MOST_RESTITUTION)
     ends = _level(bottom, least), _level(top, most)
     places, grid, density = _second_stage_levels(_level(log_x, restitution), np.isinf(peak), *ends, second)
@@ -325,12 +326,13 @@ def both_stages(
     own = (given_next >= needed[0]) & (given_next <= needed[1])
     given_next, places = given_next[own], places[own]
     more = np.minimum(given_next, MOST_RESTITUTION)
-    above = places - SLOPE * (more - MIDDLE)
-    log_x, restitution = np.append(log_x, above), np.append(restitution, more)
-    peak = np.append(peak, march(above, more))
-    evenly = FIRST / (top - bottom) * (log_x <= top)
+    log_x_next = places - SLOPE * (more - MIDDLE)
+    log_x, restitution = np.append(log_x, log_x_next), np.append(restitution, more)
+    peak = np.append(peak, march(log_x_next, more))
     inside = (log_x > bottom) & (log_x <= top)
-    weight = np.where(inside, 1.0 / (evenly + np.interp(_level(log_x, restitution), grid, density)), 0.0)
+    # At a given C, a unit of the level is a unit of ln x.
+    of_both = FIRST / (top - bottom) + np.interp(_level(log_x, restitution), grid, density)
+    weight = np.where(inside, 1.0 / of_both, 0.0)
     given = np.append(given, given_next)
     order = np.argsort(given, kind="stable")
     found = {"log_x": log_x, "restitution": given, "weight": weight, "peak": peak}
@@ -354,6 +356,7 @@ def _second_stage_levels(
     grid = np.linspace(lowest, highest, POINTS)
     # Rounded, because the square root of a rounding error would move all lanes by 1e-8.
     share = np.round(_share_near(level, over, grid), SHARE_DIGITS)
+    # The standard deviation of the outcome, for the least variance, and a floor.
     wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
     step = grid[1] - grid[0]
     filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step

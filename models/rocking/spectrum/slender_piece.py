@@ -34,12 +34,12 @@ def motion_at(tau, u, v, bend, twist):
 
 
 @njit(inline="always", _nrt=False)
-def first_root(least, middle, most):
-    """Return the first positive root of `least` + `middle` t + `most` t^2, `least` >= 0; any number or NaN if none."""
-    under = middle * middle - 4.0 * least * most
+def first_root(constant, linear, square):
+    """Return the first positive root of `constant` + `linear` t + `square` t^2, `constant` >= 0; else any number."""
+    under = linear * linear - 4.0 * constant * square
     root = math.sqrt(under if under > 0.0 else 0.0)
-    top = middle + root if middle > 0.0 else 2.0 * least
-    return top / (-2.0 * most if middle > 0.0 else root - middle)
+    top = linear + root if linear > 0.0 else 2.0 * constant
+    return top / (-2.0 * square if linear > 0.0 else root - linear)
 
 
 @njit(inline="always", _nrt=False)
@@ -105,7 +105,7 @@ def first_impact(u, v, bend, twist, left):
 
 @njit(_nrt=False)
 def peak_on_still_ground(u, v, restitution):
-    """Return the largest u of the motion on still ground from u and u' = `v`; inf if the block overturns."""
+    """Return the largest peak still to come on still ground after u and u' = `v`; inf if the block overturns."""
     # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
     kept = (1.0 - u) ** 2 - v * v
     after = restitution * math.sqrt(max(1.0 - kept, 0.0))

@@ -87,7 +87,7 @@ def test_a_long_record_is_marched_in_parts(side, monkeypatch):
     parts = spectrum_lanes(MOTION, DT, P, side=side)
     assert np.mean(np.isinf(parts.peak) != np.isinf(whole.peak)) < 0.003  # rounding at edges
     both = np.isfinite(parts.peak) & np.isfinite(whole.peak)
-    assert np.quantile(np.abs(parts.peak[both] - whole.peak[both]), 0.9) < 1e-9
+    assert np.quantile(np.abs(parts.peak[both] - whole.peak[both]), 0.95) < 1e-9
 
 
 def test_threads_do_not_matter(lanes):
@@ -189,11 +189,12 @@ def test_sums_over_lanes_by_their_weights_are_integrals_over_strength_and_restit
     assert found["peak"].tolist() == known_verdicts(found["log_x"], found["restitution"]).tolist()
 
 
-@pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2)])
+@pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2), (9.0, 6)])
 def test_lanes_that_stand_in_the_last_tenth_raise_the_top(last, times):
     """By 0.7 of ln x each time: from 0 to 1, all overturn from `last` on."""
     found = both_stages(0.0, 1.0, lambda log_x, _: np.where(log_x > last, np.inf, 0.5), evenly, 700)
     assert found["top"] == pytest.approx(1.0 + 0.7 * times)
+    assert found["weight"][found["log_x"] > 1.0].sum() == pytest.approx(0.7 * times, abs=0.02)
 
 
 @pytest.mark.sweep
