@@ -263,8 +263,11 @@ def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
         if u + margin > s[PEAK + i]:
             v, piece = force * points[k, SPEED] + up - down, k - 1
             end = points[piece, START] + points[piece, SLOPE] * points[piece, LENGTH]
-            # In reversed time (u' and the slope of a_g change their signs) the peak comes after the node.
-            _raise_peak(s, i, u, -v, force * end, -force * points[piece, SLOPE], points[piece, LENGTH])
+            s[PEAK + i] = max(s[PEAK + i], u)
+            # If u' > 0 at the node, u'' > 0 must have raised it from zero after a peak. In reversed time (u' and the
+            # slope of a_g change their signs) the peak comes after the node.
+            if v <= max(u - 1.0 - force * end, 0.0) * points[piece, LENGTH]:
+                _raise_peak(s, i, u, -v, force * end, -force * points[piece, SLOPE], points[piece, LENGTH])
 
 
 @njit(inline="always", _nrt=False)
@@ -306,13 +309,10 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
             passed = False
             if k < 0:
                 return k
-        if not passed:
-            end = s[END_U + i]
-            if end <= 0.0:
-                return k
-            if _may_dip(s, i):
-                return k
-        if peaks and k >= 0 and s[V + i] >= 0.0:
+        if not passed and (s[END_U + i] <= 0.0 or _may_dip(s, i)):
+            return k
+        bend = s[END_U + i] - 1.0 - s[PUSH + i] - s[RATE + i] * s[LEFT + i]  # as in `_scan_peak`
+        if peaks and k >= 0 and s[V + i] >= 0.0 and s[END_V + i] <= max(bend, 0.0) * s[LEFT + i]:
             _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
         k = _fly(s, i, k + 1, count, points, rows, blocks, peaks)
         if k < 0:
