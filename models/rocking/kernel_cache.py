@@ -22,7 +22,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
 import numba
 import numpy as np
 import platformdirs
@@ -77,18 +76,6 @@ def folder() -> Path:
     with suppress(OSError):  # if it does not exist yet, or is read-only
         os.utime(path)  # the time of its last use
     return path
-
-
-def stored_mark(work: str) -> Path:
-    """Return the path of the empty file that marks that all kernels of some work are stored for this processor.
-
-    Raises
-    ------
-    OSError
-        As :func:`folder`.
-    """
-    processor = llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten()
-    return folder() / f"{hashlib.sha256(repr((work, *processor)).encode()).hexdigest()[:16]}.stored"
 
 
 def sources() -> str:

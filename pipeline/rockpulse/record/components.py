@@ -278,8 +278,8 @@ def _occasion(record: Record) -> tuple[object, ...]:
 
 
 def folder_of(record: Record) -> str:
-    """Return the folder of a record; one text in memory for all its files, which PurePath would keep by name, too."""
-    return sys.intern(os.path.dirname(record.source))  # noqa: PTH120
+    """Return the folder of a record; all its files share one text in memory."""
+    return sys.intern(os.path.dirname(os.path.normpath(record.source)))  # noqa: PTH120
 
 
 def _overlap(record: Record, other: Record) -> float:

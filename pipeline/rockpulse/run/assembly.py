@@ -25,8 +25,10 @@ from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
 
-#: Largest size of the values that are written at once [bytes], and number of rows of /failures.
-CHUNK, FAILURES = 8 * 1024**2, 1024
+#: Largest size of the values that are written at once [bytes].
+CHUNK = 8 * 1024**2
+#: Number of rows of /failures that are written at once.
+FAILURES_AT_ONCE = 1024
 #: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
 #: Variables of /summary from which /directions is computed.
@@ -154,8 +156,8 @@ def _create_variables(
         for name, variable in dataset.variables.items():
             if name not in growing and variable.dims[:1] not in (("pair",), ("failure",)):
                 writer.append(f"{node.path}/{name}", variable.values)
-    for begin in range(0, len(failures), FAILURES):
-        for name, variable in failure_table(failures[begin : begin + FAILURES]).variables.items():
+    for begin in range(0, len(failures), FAILURES_AT_ONCE):
+        for name, variable in failure_table(failures[begin : begin + FAILURES_AT_ONCE]).variables.items():
             writer.append(f"/failures/{name}", variable.values)
 
 

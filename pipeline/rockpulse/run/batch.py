@@ -1,16 +1,17 @@
 """Runs a batch from the paths of records to a results file, so that finished records are kept if it is stopped."""
 
+import dataclasses
 import logging
 import os
-import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from concurrent.futures import Future, wait
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rocking.kernel_cache import logger as kernel_logger
 from rocking.lanes import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
@@ -20,10 +21,19 @@ from rockpulse.run.analysis import Analysis
 from rockpulse.run.assembly import JournalParts, write_results
 from rockpulse.run.earlier_results import EarlierResults, check_appends, earlier_results, run_of, run_to_append
 from rockpulse.run.frames import unpack
-from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
-from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
+from rockpulse.run.journal import UNFINISHED, Journal, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, quiet_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import TakenFrom, Task, carry_out, compile_kernels, digest_of, read_options, tasks_of
+from rockpulse.run.tasks import (
+    TakenFrom,
+    Task,
+    carry_out,
+    compile_kernels,
+    digest_of,
+    log_again,
+    read_options,
+    tasks_of,
+)
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
@@ -33,6 +43,9 @@ Paths = PathLike | Iterable[PathLike]
 Surveyed = tuple[list[Located], list[Failure], int]
 #: Smallest number of files or records per process; fewer are left to this process, whose threads share the bodies.
 ITEMS_PER_WORKER = 8
+#: Time [s] after which a message says what the run waits for.
+PATIENCE = 3.0
+WAITING = "waiting for the kernels, which are compiled once per installation (about a minute)"
 
 
 def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
@@ -113,12 +126,13 @@ class _Batch:
     """One batch run with its journal and its tasks."""
 
     journal: Journal
-    tasks: Sequence[Task] = ()
+    fingerprints: dict[str, str]  # of each task, by its key
     earlier: EarlierResults | None = None  # of the file to which the run appends
+    kernels: Future[Any] | None = None  # of the worker that compiles or loads them
 
     def __init__(self, analysis: Analysis, output: PathLike, options: BatchOptions) -> None:
         self.analysis, self.output, self.options = analysis, output, options
-        self.report = BatchReport()
+        self.report, self.fingerprints = BatchReport(), {}
 
     def run(self, paths: Paths) -> BatchReport:
         """Run the whole batch, from reading the files to writing the results."""
@@ -183,9 +197,10 @@ class _Batch:
         # An assessment needs the planned records later only for a sweep; otherwise their list is emptied.
         swept = not isinstance(analysis, Assessment) or analysis.config.records.components == "sweep"
         planned = [*plan.planned] if swept else plan.planned
-        self.tasks = tasks_of(planned, every, analysis.config, analysis.name)
+        tasks = tasks_of(planned, every, analysis.config, analysis.name)
+        self.fingerprints = {task.key: task.fingerprint for task in tasks}
         if appending:
-            self.earlier = earlier_results(output, analysis, self.tasks, read)
+            self.earlier = earlier_results(output, analysis, tasks, read)
         del read
         for row in plan.failures:
             if row.kind == "failed":
@@ -193,18 +208,19 @@ class _Batch:
             if row.stage == "events":
                 options.tell(row.reason)
         self.stop_at(plan.failures)
-        asked = digest_of(self.tasks, plan.events, analysis.config, analysis.name)
+        asked = digest_of(tasks, plan.events, analysis.config, analysis.name)
         if before and (before == asked or not appending):  # the run that wrote the file has removed its journal
             check_target(output, before == asked, analysis.kind)
             journal.remove()
             options.tell(f"{output}: the run was already complete; nothing was left to do")
-            self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(plan.failures))
+            self.report = BatchReport(Path(output), len(tasks), len(tasks), list(plan.failures))
             return True
-        missing = self.missing()
+        missing = self.missing(tasks)
+        del tasks  # `missing` is emptied as the tasks are finished
         self.work(self.pool_for(len(missing), resources, pool), missing)
         self.report.failures = [*plan.failures, *self.report.failures]
         keys = self.finished()
-        self.report.broken_off = unread + len(self.tasks) - len(keys)
+        self.report.broken_off = unread + len(self.fingerprints) - len(keys)
         parts = JournalParts(journal, analysis, keys, plan.events, earlier=self.earlier)
         self.report.records = write_results(output, parts, plan, self.report.failures, replace or appending, asked)
         return False
@@ -226,8 +242,10 @@ class _Batch:
         if workers == 1:
             return resources.enter_context(WorkerPool.inline())
         resources.close()  # ends the earlier workers
-        compile_kernels(self.analysis)  # here once instead of in every worker
-        return resources.enter_context(WorkerPool.local(int(workers)))
+        pool = resources.enter_context(WorkerPool.local(int(workers)))
+        compiles = partial(compile_kernels, config=self.analysis.config)
+        self.kernels = pool.begin(compiles, type(self.analysis))
+        return pool
 
     def surveyed(self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]) -> Surveyed:
         """Read all files and empty `found`; return channels, failures, and the number of files to read again."""
@@ -235,7 +253,7 @@ class _Batch:
         located, rows, unread = list[Located](), list(failures), 0
         self.stop_at(rows)
         logger.info("reading %d files", len(found))
-        with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+        with quiet_bar(self.options.bar, total=len(found), initial=0, desc="reading", unit=" files") as bar:
             for one, survey in pool.run(look, TakenFrom(found)):
                 if isinstance(survey, WorkerLost):
                     rows.append(Failure(one.path, "read", f"{one.path}: {survey.reason}", "failed"))
@@ -245,12 +263,12 @@ class _Batch:
                     located += survey.located
                     rows += survey.failures
                     unread += survey.broken_off
-                    _log(survey.messages)
+                    log_again(survey.messages)
                     self.stop_at(survey.failures)
                 bar.update(1)
         return *gather_survey(located, rows), unread
 
-    def missing(self) -> list[Task]:
+    def missing(self, tasks: Sequence[Task]) -> list[Task]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure if a task failed in an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, seen = set(self.finished()), journal.failures()
@@ -266,7 +284,7 @@ class _Batch:
             lost = " and ".join(filter(None, (results, places)))
             self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; missing records are processed again")
         before, done = journal.finished(), self.finished()
-        missing = [task for task in self.tasks if task.key not in done]
+        missing = [task for task in tasks if task.key not in done]
         resumed = self.report.resumed = len(done)
         stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
         logger.info(
@@ -275,47 +293,59 @@ class _Batch:
         if self.earlier is not None:
             stale = self.earlier.stale
             again = f"; {stale} must be computed again, because they or the records compared with them have changed"
-            kept = f"{len(self.earlier.rows)} of {len(self.tasks)} records are in {self.output} already"
+            kept = f"{len(self.earlier.rows)} of {len(tasks)} records are in {self.output} already"
             options.tell(f"{kept}{again if stale else ''}")
         elif options.resume:
             again = f"; {stale} are processed again, because they, the options or the version of rockpulse have changed"
-            options.tell(f"{resumed} of {len(self.tasks)} records were finished before{again if stale else ''}")
+            options.tell(f"{resumed} of {len(tasks)} records were finished before{again if stale else ''}")
         rows = journal.failures()
         for key in self.finished():
             self.stop_at(rows.get(key, ()))
         return missing
 
-    def work(self, pool: WorkerPool, missing: Sequence[Task]) -> None:
+    def work(self, pool: WorkerPool, missing: list[Task]) -> None:
         """Execute the missing tasks and store their results; a task whose worker died becomes a row of /failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
-        total = len(self.tasks)
-        with self.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
-            for task, done in pool.run(work, missing):
+        if missing and self.kernels is not None:
+            self.wait_for_kernels(pool, self.kernels)
+        counts = {"total": len(self.fingerprints), "initial": report.resumed, "unit": " records"}
+        with quiet_bar(self.options.bar, desc=analysis.doing, **counts) as bar:
+            for task, done in pool.run(work, TakenFrom(missing)):
                 if isinstance(done, WorkerLost):
                     reason = f"{task.key}: {done.reason}, at every attempt; if memory ran out, use fewer workers"
                     lost[task.key] = [Failure(task.source, analysis.name, reason, "failed")]
                     logger.error("%s", reason)
                     self.stop_at(lost[task.key])
                 else:  # the texts of the task are in memory already
-                    fingerprint = task.fingerprint if done.fingerprint == task.fingerprint else done.fingerprint
-                    self.journal.add(replace(done, key=task.key, fingerprint=fingerprint))
-                    _log(done.messages)
+                    own = task.fingerprint if done.fingerprint == task.fingerprint else done.fingerprint
+                    self.journal.add(dataclasses.replace(done, key=task.key, fingerprint=own))
+                    log_again(done.messages)
                     for step, taken in done.seconds.items():
                         report.seconds[step] = report.seconds.get(step, 0.0) + taken
                     self.stop_at(done.failures)
                 bar.update(1)
         rows = self.journal.failures() | lost
-        report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
+        report.failures = [row for key in self.fingerprints for row in rows.get(key, ())]
+
+    def wait_for_kernels(self, pool: WorkerPool, kernels: Future[Any]) -> None:
+        """Wait until one worker has compiled or loaded the kernels; the other workers then load them."""
+        if not wait([kernels], PATIENCE).done:
+            kernel_logger.info(WAITING)
+        messages = pool.result_of(kernels)
+        if isinstance(messages, WorkerLost):
+            logger.warning("compiling the kernels: %s; each worker now compiles them", messages.reason)
+        else:
+            log_again(messages)
 
     def finished(self) -> dict[str, str]:
         """Return the fingerprints, by key, of tasks whose results for the same files and options are stored."""
         before, kept = self.journal.finished(), () if self.earlier is None else self.earlier.rows
         return {
-            task.key: task.fingerprint
-            for task in self.tasks
-            if task.key in kept or before.get(task.key) == task.fingerprint
+            key: fingerprint
+            for key, fingerprint in self.fingerprints.items()
+            if key in kept or before.get(key) == fingerprint
         }
 
     def kept(self, strict: bool = False) -> str:
@@ -326,7 +356,7 @@ class _Batch:
         if not every:
             journal.remove()
             return "nothing was finished yet"
-        count = len(every.intersection(self.finished())) if self.tasks else len(every)
+        count = len(every.intersection(self.finished())) if self.fingerprints else len(every)
         if not count:
             others = f"{journal.path} keeps {len(every)} records from runs with other files or options"
             return f"nothing of this run was finished yet; {others}"
@@ -336,35 +366,14 @@ class _Batch:
 
     def drop_empty_journal(self) -> None:
         """Remove the journal of a run that writes no file, unless the journal contains other records."""
-        others = self.journal.complete - {task.key for task in self.tasks}
+        others = self.journal.complete - self.fingerprints.keys()
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
             self.log_and_tell(f"{are}: to continue with them, give --resume and their paths")
-        elif 0 < len(self.finished()) < len(self.tasks):
+        elif 0 < len(self.finished()) < len(self.fingerprints):
             self.log_and_tell(self.kept())
         else:
             self.journal.remove()
-
-    @contextmanager
-    def bar(self, **about: Any) -> Iterator[Any]:
-        """Show a progress bar in a ``with`` block; messages that would interrupt the bar are printed after it."""
-        held: list[logging.LogRecord] = []
-
-        def hold(record: logging.LogRecord) -> bool:
-            if _is_printed():
-                held.append(record)
-                return False
-            return True
-
-        if self.options.bar is not no_bar:
-            logger.filters.insert(0, hold)
-        try:
-            with self.options.bar(**about) as bar:
-                yield bar
-        finally:
-            logger.removeFilter(hold)
-            for record in held:
-                logger.handle(record)
 
     def log_and_tell(self, text: str) -> None:
         """Write a message to the log and show it to the user."""
@@ -383,20 +392,3 @@ def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct
         return analysis.fits(unpack(packed))
     except (ValueError, TypeError, RecursionError):
         return False
-
-
-def _is_printed() -> bool:
-    """Return whether messages of the logger appear on standard output or standard error."""
-    if not logger.hasHandlers():
-        return True  # Python's handler of last resort
-    place: logging.Logger | None = logger
-    while place is not None:
-        if any(getattr(handler, "stream", None) in (sys.stdout, sys.stderr) for handler in place.handlers):
-            return True
-        place = place.parent if place.propagate else None
-    return False
-
-
-def _log(messages: Iterable[Message]) -> None:
-    for name, level, text in messages:
-        logging.getLogger(name).log(level, "%s", text)

@@ -5,7 +5,7 @@ import math
 import os
 import struct
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from io import FileIO
 from typing import Any, NamedTuple
 
@@ -100,21 +100,20 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
     return Frame(place, head, place + len(start) + len(text), sizes)
 
 
-def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames whose heads are undamaged, the end of the last one, and the number of damaged places."""
+def read_frames(file: FileIO, take: Callable[[Frame], None]) -> tuple[int, int]:
+    """Call `take` with each frame whose head is undamaged; return the end of the last one, and the damaged places."""
     size = file.seek(0, os.SEEK_END)
-    found: list[Frame] = []
     place = end = gaps = 0
     cut_off = True
     while place < size:
         if (frame := frame_at(file, place, size)) is not None:
             gaps += place > end
-            found.append(frame)
+            take(frame)
             place = end = frame.end
         else:
             cut_off = cut_off if place > end else _is_cut_off(file, place, size)
             place = _next_mark(file, place + 1, size)
-    return found, end, gaps + (end < size and not cut_off)
+    return end, gaps + (end < size and not cut_off)
 
 
 def frame_at(file: FileIO, place: int, size: int) -> Frame | None:

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
 from rockpulse.foreign_text import in_utf8
-from rockpulse.run.frames import MARK, Frame, append, frame_at, frames_of
+from rockpulse.run.frames import MARK, Frame, append, frame_at, read_frames
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
@@ -100,12 +100,13 @@ class JournalError(ResultsError):
         super().__init__(message, tells_resume)
 
 
-class _Kept(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class _Kept:
     """What is kept in memory of the frame of a task: as little as possible, as there may be 100,000 of them."""
 
     fingerprint: str
     failures: tuple[Failure, ...]
-    parts: int  # number of them
+    count: int  # of the parts
     start: int  # position of the frame in the file
 
 
@@ -113,19 +114,13 @@ class Journal:
     """The results of finished tasks, stored in a file; :meth:`open` returns it for use in a ``with`` block."""
 
     def __init__(self, path: Path, file: FileIO) -> None:
-        frames, self._end, self.gaps = frames_of(file)  # number of damaged places without a frame
         self.path, self.run_id, self._started = path, "", ""
         self.appends = ""  # run_id of the results file to which the run appends
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
         self._kept: dict[str, _Kept] = {}
-        for frame in frames:
-            if not _is_ours(frame.head):
-                self.gaps += 1
-                continue
-            self.run_id, self._started = frame.head["run"], frame.head["started"]
-            self.appends = frame.head.get("appends", "")
-            if "key" in frame.head:
-                self._keep(frame)
+        self.gaps = 0  # number of damaged places and of foreign frames
+        self._end, damaged = read_frames(file, self._take)
+        self.gaps += damaged
 
     @classmethod
     def open(
@@ -233,7 +228,7 @@ class Journal:
 
     def count(self, key: str) -> int:
         """Return how many parts of results a finished task has."""
-        return self._kept[key].parts
+        return self._kept[key].count
 
     def parts(self, key: str) -> tuple[bytes, ...]:
         """Return the parts of the results of a finished task; raise JournalError if they are damaged."""
@@ -290,6 +285,16 @@ class Journal:
         frame = append(self._file, self._end, head, tuple(parts))
         self._end = frame.end
         return frame
+
+    def _take(self, frame: Frame) -> None:
+        """Take a frame that was read from the file."""
+        if not _is_ours(frame.head):
+            self.gaps += 1
+            return
+        self.run_id, self._started = frame.head["run"], frame.head["started"]
+        self.appends = frame.head.get("appends", "")
+        if "key" in frame.head:
+            self._keep(frame)
 
     def _keep(self, frame: Frame) -> None:
         head, failures = frame.head, tuple(Failure(*row) for row in frame.head["failures"])

@@ -1,9 +1,11 @@
 """The options of a batch run, and the report that it returns."""
 
+import logging
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +13,8 @@ from typing import Any
 
 from rocking.pictures import short_repr
 from rockpulse.errors import Failure
+
+logger = logging.getLogger("rockpulse")
 
 
 class Interrupted(KeyboardInterrupt):
@@ -104,3 +108,37 @@ class BatchReport:
     failures: list[Failure] = field(default_factory=list)
     broken_off: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
+
+
+@contextmanager
+def quiet_bar(bar: Callable[..., AbstractContextManager[Any]], **about: Any) -> Iterator[Any]:
+    """Show a progress bar in a ``with`` block; messages that would interrupt the bar are printed after it."""
+    held: list[logging.LogRecord] = []
+
+    def hold(record: logging.LogRecord) -> bool:
+        if _is_printed():
+            held.append(record)
+            return False
+        return True
+
+    if bar is not no_bar:
+        logger.filters.insert(0, hold)
+    try:
+        with bar(**about) as shown:
+            yield shown
+    finally:
+        logger.removeFilter(hold)
+        for record in held:
+            logger.handle(record)
+
+
+def _is_printed() -> bool:
+    """Return whether messages of the logger appear on standard output or standard error."""
+    if not logger.hasHandlers():
+        return True  # Python's handler of last resort
+    place: logging.Logger | None = logger
+    while place is not None:
+        if any(getattr(handler, "stream", None) in (sys.stdout, sys.stderr) for handler in place.handlers):
+            return True
+        place = place.parent if place.propagate else None
+    return False

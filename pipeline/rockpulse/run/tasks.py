@@ -7,7 +7,7 @@ import time
 import traceback
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from itertools import chain
@@ -21,7 +21,6 @@ import numpy as np
 import rocking
 from rocking.body.block import Block
 from rocking.kernel_cache import logger as kernel_logger
-from rocking.kernel_cache import stored_mark
 from rocking.march.demand import ground_demand
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
@@ -229,6 +228,12 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     return Done(task.key, fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)
 
 
+def log_again(messages: Iterable[Message]) -> None:
+    """Log the messages of a worker in this process."""
+    for name, level, text in messages:
+        logging.getLogger(name).log(level, "%s", text)
+
+
 @contextmanager
 def _log_lines() -> Iterator[list[Message]]:
     """Collect the log messages of this thread for the main process, except those on the start of a compilation."""
@@ -251,38 +256,29 @@ def _log_lines() -> Iterator[list[Message]]:
             logger.removeFilter(take)
 
 
-def compile_kernels(analysis: Analysis) -> None:
-    """Compile the kernels of an analysis for the workers, unless an earlier run on this processor has stored them."""
-    work = f"{analysis.name} {_short_work(analysis.config).as_text()}"
-    with suppress(OSError):  # of a folder that does not exist
-        if stored_mark(work).exists():
-            return
-    warm_up(analysis)
-    with suppress(OSError):  # reported when the kernels could not be stored
-        stored_mark(work).touch()
+def compile_kernels(kind: type[Analysis], config: Config) -> tuple[Message, ...]:
+    """Compile or load the kernels of a kind of analysis in a worker; return its log messages."""
+    with _log_lines() as messages:
+        warm_up(kind, config)
+    return tuple(messages)
 
 
-def _short_work(config: Config) -> Config:
-    """Return the options that require the same kernels as `config`, with little work."""
-    return Config(
+def warm_up(kind: type[Analysis], config: Config) -> None:
+    """Compile or load every kernel of a kind of analysis by processing a short artificial record."""
+    plain = Config(
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
         uncertainty=replace(config.uncertainty, azimuth=False),
         calibration=CalibrationSettings(spectrum=config.calibration.spectrum),
         fragility=replace(config.fragility, pga_min=0.0),
     )
-
-
-def warm_up(analysis: Analysis) -> None:
-    """Compile or load every kernel of an analysis by processing a short artificial record."""
-    plain = _short_work(analysis.config)
     time = 0.01 * np.arange(801)
     motion = 6.0 * np.exp(-time / 3.0) * (np.sin(5.0 * time) + 0.5 * np.sin(23.0 * time))
     record = Record(motion, dt=0.01, id="warm-up", processed=True)
     # Bodies from a post that overturns to a wall that hardly moves, so that every kernel is called.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
-    small = type(analysis)(plain, blocks)
+    small = kind(plain, blocks)
     for one in small.plan([record]).planned:
         for motion in conditioned_motions(one, plain):
             small.work(motion, nullcontext)

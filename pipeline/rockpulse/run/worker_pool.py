@@ -140,11 +140,19 @@ class WorkerPool:
                     else:
                         yield group[0], results
             for item in again:
-                results = self._results(self._submit(packed, [item]))
-                yield item, results if isinstance(results, WorkerLost) else results[1][0]
+                yield item, self.result_of(self._submit(packed, [item]))
         finally:
             for future in running:
                 future.cancel()
+
+    def begin(self, function: Callable[[Item], Result], item: Item) -> Future[Any]:
+        """Start to process one item in a worker, and return a future for :meth:`result_of`."""
+        return self._submit(Packed.of(function), [item])
+
+    def result_of(self, future: Future[Any]) -> Any | WorkerLost:
+        """Return the result of a single item when it is finished; the errors are those of :meth:`run`."""
+        results = self._results(future)
+        return results if isinstance(results, WorkerLost) else results[1][0]
 
     def _submit(self, packed: Packed, group: list[Item]) -> Future[tuple[float, list[Any]]]:
         assert self.executor is not None

@@ -1,6 +1,7 @@
 """Compares records with rejected duplicates of the same ground motion, and the two components of one instrument."""
 
 import math
+from array import array
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -225,15 +226,17 @@ def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) ->
 
 def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
     """Return, by ``id(record)``, a record of another file with the same length and nearly the same growth of energy."""
-    groups: dict[tuple[int, float], list[Record]] = defaultdict(list)
+    groups: dict[tuple[int, float], tuple[list[Record], array[float]]] = defaultdict(lambda: ([], array("d")))
     for record in sorted(records, key=attrgetter("id")):
-        if outline_of(record):
-            groups[record.npts, record.dt].append(record)
+        if outline := outline_of(record):
+            group, times_of_all = groups[record.npts, record.dt]
+            group.append(record)
+            times_of_all.extend(outline[2:])
     found: dict[int, Record] = {}
-    for (_, dt), group in groups.items():
-        outlines = np.fromiter((outline_of(record)[2:] for record in group), (float, 5), len(group))
-        order = np.argsort(outlines[:, 2], kind="stable")
-        times, group = outlines[order].T.copy(), [group[place] for place in order.tolist()]
+    for (_, dt), (group, times_of_all) in groups.items():
+        unsorted = np.frombuffer(times_of_all).reshape(-1, 5)
+        order = np.argsort(unsorted[:, 2], kind="stable")
+        times, group = unsorted[order].T.copy(), [group[place] for place in order.tolist()]
         firsts, lasts = np.searchsorted(times[2], times[2] + np.array([[-2.1], [2.1]]) * dt)
         for place, record in enumerate(group):
             first, last = firsts[place], lasts[place]

@@ -2,7 +2,7 @@
 
 import logging
 import multiprocessing
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,6 +16,7 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
+from rocking import kernel_cache
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, StoppedAtFailure
@@ -161,7 +162,7 @@ def test_the_functions_take_progress_and_failures(verb):
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     started = []
     without_results(monkeypatch)
-    monkeypatch.setattr(run, "compile_kernels", lambda *args, **kwargs: None)
+    monkeypatch.setattr(run.WorkerPool, "begin", lambda *args: None)
     monkeypatch.setattr(
         run.WorkerPool, "local", lambda workers: started.append(workers) or run.WorkerPool(None, lambda: workers)
     )
@@ -171,6 +172,20 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assess_files(folder / "r0.AT2", config, tmp_path / "two.h5", BatchOptions(workers=2))
     assess_files(folder / "r0.AT2", config, tmp_path / "all.h5", BatchOptions(workers="all"))  # one file: no process
     assert started == [3, 2]
+
+
+def test_a_run_says_that_it_waits_for_the_kernels_and_goes_on_if_their_worker_is_lost(
+    folder, tmp_path, monkeypatch, caplog
+):
+    monkeypatch.setattr(kernel_cache, "logged", set())
+    monkeypatch.setattr(run, "PATIENCE", 0.0)
+    monkeypatch.setattr(run.WorkerPool, "local", lambda workers: run.WorkerPool(None, lambda: workers))
+    monkeypatch.setattr(run.WorkerPool, "begin", lambda *args: Future())
+    monkeypatch.setattr(run.WorkerPool, "result_of", lambda *args: run.WorkerLost("killed by signal 9"))
+    caplog.set_level(logging.INFO, "rockpulse")
+    assert assess_files(folder / "r0.AT2", CONFIG, tmp_path / "r.h5", BatchOptions(workers=2)).records == 1
+    assert run.WAITING in caplog.text
+    assert "compiling the kernels: killed by signal 9" in caplog.text
 
 
 @pytest.mark.sweep

@@ -253,6 +253,15 @@ def test_frames_that_somebody_has_made_are_passed_over(target, whole):
     assert (len(found), damaged, gaps) == (6, [], len(others))
 
 
+def test_a_head_that_is_damaged_after_it_was_read_is_an_error_of_its_task(target):
+    with Journal.open(target) as journal:
+        journal.add(done("a", b"1"))
+        content = journal_path(target).read_bytes()
+        journal_path(target).write_bytes(content.replace(b'"key": "a"', b'"key": "b"'))
+        with pytest.raises(ResultsError, match=r"the stored result of a is damaged.*--resume"):
+            journal.parts("a")
+
+
 def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
     def fill(file, content):
         file.write(memoryview(content)[:100])

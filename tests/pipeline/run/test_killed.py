@@ -38,6 +38,12 @@ def undisturbed(folder, tmp_path_factory):
     return contents(target)
 
 
+@pytest.fixture
+def target(tmp_path):
+    (tmp_path / "out").mkdir()
+    return tmp_path / "out" / "results.h5"
+
+
 def command(folder, target, *options):
     return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
 
@@ -83,9 +89,8 @@ def assert_resumed(folder, target, undisturbed, *options):
 
 
 @pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.sweep), pytest.param(2, marks=pytest.mark.slow)])
-def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed, workers):
-    target, log = tmp_path / "out" / "results.h5", tmp_path / "log"
-    target.parent.mkdir()
+def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, target, tmp_path, undisturbed, workers):
+    log = tmp_path / "log"
     assert struck(folder, target, "record", 3, workers)[0] == -signal.SIGKILL
     assert not target.exists()
     assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
@@ -101,9 +106,7 @@ POINTS = [
 
 
 @pytest.mark.parametrize(("point", "number"), POINTS)
-def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undisturbed, point, number):
-    target = tmp_path / "out" / "results.h5"
-    target.parent.mkdir()
+def test_a_run_killed_while_it_writes_the_results_goes_on(folder, target, undisturbed, point, number):
     assert struck(folder, target, point, number)[0] == -signal.SIGKILL
     assert journal_path(target).exists()
     assert target.exists() == (point == "renamed")
@@ -118,9 +121,7 @@ INTERRUPTIONS = [
 
 
 @pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)
-def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point, workers):
-    target = tmp_path / "out" / "results.h5"
-    target.parent.mkdir()
+def test_an_interrupted_run_says_how_to_go_on(folder, target, undisturbed, point, workers):
     code, said = struck(folder, target, point, 2, workers)
     assert code == 130
     assert re.fullmatch(

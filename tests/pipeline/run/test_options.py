@@ -8,7 +8,6 @@ from batch_runs import CONFIGURATION, RECORDS, command, names, write
 from file_contents import assert_contents, contents
 
 from rockpulse.cli import main
-from rockpulse.run import batch
 from rockpulse.run.journal import Journal, journal_path
 from rockpulse.run.processes import WorkerProcesses
 
@@ -142,7 +141,6 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
         raise RuntimeError("no process can be started")
 
     with monkeypatch.context() as patch:
-        patch.setattr(batch, "compile_kernels", lambda analysis: None)
         patch.setattr(WorkerProcesses, "submit", broken)
         with pytest.raises(RuntimeError, match="no process can be started"):
             command(folder, tmp_path / "r.h5", "--workers", "2")

@@ -13,15 +13,13 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
-from rocking import kernel_cache
 from rockpulse.assessment.assessment import Assessment, assess
 from rockpulse.assessment.tree import joined_parts
 from rockpulse.readers.folders import read_all
-from rockpulse.run import tasks
 from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.tasks import carry_out, compile_kernels
+from rockpulse.run.tasks import carry_out
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -180,15 +178,3 @@ def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
     assert caplog.records == []
     logging.getLogger("rockpulse").warning("heard again")
     assert [record.message for record in caplog.records] == ["heard again"]
-
-
-def test_kernels_that_an_earlier_run_has_stored_are_not_compiled_again(tmp_path, monkeypatch):
-    compiled = []
-    monkeypatch.setattr(tasks, "warm_up", compiled.append)
-    with_histories = replace(CHEAP, models=replace(CHEAP.models, histories=True))
-    for folder, times in ((tmp_path, [1, 1, 2, 2]), (tmp_path / "none", [1, 2, 3, 4])):
-        monkeypatch.setattr(kernel_cache, "folder", lambda folder=folder: folder)
-        compiled.clear()
-        for config, expected in zip((CHEAP, CHEAP, with_histories, CHEAP), times, strict=True):
-            compile_kernels(Assessment(config))
-            assert len(compiled) == expected

@@ -44,7 +44,7 @@ def work(kind):
     blocks = dict(zip("abc", BLOCKS))
     if kind in ("calibrate", "fragility"):
         analysis = {"calibrate": SiteCalibration, "fragility": FragilityAnalysis}[kind](rp.Config(), blocks)
-        warm_up(analysis)
+        warm_up(type(analysis), analysis.config)
         yield
         run(analysis, records[:1] if kind == "calibrate" else records[1:3])
         return
@@ -56,7 +56,7 @@ def work(kind):
             models=ModelSettings(use=everything, histories=True),
             search=SearchSettings(models=everything, intervals=True, points=16, step=1.2),
         )
-    warm_up(Assessment(config, blocks))
+    warm_up(Assessment, config)
     yield
     rp.assess(records, config, bodies=blocks)
     rp.assess(records[:1], config, bodies={"a": rp.models.Block(0.6, 4.0)})
