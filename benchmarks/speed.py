@@ -181,11 +181,7 @@ def compile_time() -> None:
         environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
         for state in ("compiled", "from cache"):
             done = subprocess.run(
-                [sys.executable, "-c", FIRST_CALLS],
-                env=environment,
-                capture_output=True,
-                text=True,
-                check=True,
+                [sys.executable, "-c", FIRST_CALLS], env=environment, capture_output=True, text=True, check=True
             )
             rows = [line.split() for line in done.stdout.splitlines()]
             parts = ", ".join(f"{name} {float(seconds):.2f}" for name, seconds in rows)

@@ -9,15 +9,7 @@ project = "rockpulse"
 author = "The rockpulse developers"
 copyright = "The rockpulse developers"
 
-extensions = [
-    "myst_parser",
-    "sphinx.ext.autodoc",
-    "numpydoc",
-    "command_help",
-    "mathml",
-    "object_card",
-    "vertical_bars",
-]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "command_help", "mathml", "object_card", "vertical_bars"]
 exclude_patterns = ["extensions"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]

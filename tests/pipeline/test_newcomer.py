@@ -36,10 +36,7 @@ def test_studies_take_paths_of_records_configurations_results_and_hazards(golden
     assert rp.report(golden.results, config=golden.config).name == "report.html"
 
 
-@pytest.mark.parametrize(
-    ("typed", "meant"),
-    [("Assess", "assess"), ("overturning_spectra", "overturning_spectrum")],
-)
+@pytest.mark.parametrize(("typed", "meant"), [("Assess", "assess"), ("overturning_spectra", "overturning_spectrum")])
 def test_a_misspelt_name_is_answered_with_the_nearest_one(typed, meant):
     with pytest.raises(AttributeError, match=f"did you mean '{meant}'"):
         getattr(rp, typed)

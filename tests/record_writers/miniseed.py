@@ -30,8 +30,4 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     trace = obspy.Trace(values, {**header, "channel": "HNE"})
     trace.stats.sac = {"cmpaz": 90.0, "cmpinc": 90.0, "kevnm": "ROCKPULSE SAMPLE", "kuser0": "CI.CLC"}
     trace.write(sac, format="SAC")
-    return {
-        "CI.CLC.mseed": miniseed.getvalue(),
-        "CI.CLC.xml": shipped("CI.CLC.xml"),
-        "CI.CLC..HNE.sac": sac.getvalue(),
-    }
+    return {"CI.CLC.mseed": miniseed.getvalue(), "CI.CLC.xml": shipped("CI.CLC.xml"), "CI.CLC..HNE.sac": sac.getvalue()}

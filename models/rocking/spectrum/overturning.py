@@ -31,12 +31,7 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
-from rocking.spectrum.slender_lanes import (
-    BEYOND,
-    LEAST_RESTITUTION,
-    RATES,
-    SpectrumLanes,
-)
+from rocking.spectrum.slender_lanes import BEYOND, LEAST_RESTITUTION, RATES, SpectrumLanes
 
 #: Levels of x are exp(LEVEL_STEP k) with integer k, the same numbers for all records.
 LEVEL_STEP = 0.05

@@ -9,19 +9,9 @@ from rocking.body.restraint import Restraints
 from rocking.march.recorded import recorded_response, sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
-from rocking.spectrum.overturning import (
-    OverturningFactors,
-    OverturningSpectrum,
-    covered,
-)
+from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.sharing import SHARED_INTERPOLATION, shared_groups
-from rocking.spectrum.slender_lanes import (
-    FIRST,
-    LEAST_RESTITUTION,
-    REBOUNDS,
-    SECOND_OF_BODY,
-    spectrum_lanes,
-)
+from rocking.spectrum.slender_lanes import FIRST, LEAST_RESTITUTION, REBOUNDS, SECOND_OF_BODY, spectrum_lanes
 from rockpulse.assessment.scene import senses
 from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies

@@ -112,10 +112,7 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
         "--failures": "list the files and channels that failed or were skipped, with the reason",
         "--records": "list the records",
         "--blocks": "list the bodies",
-        "--worst N": (
-            "list the N results with the smallest capacity/demand (without a demand: scale factor)",
-            COUNT,
-        ),
+        "--worst N": ("list the N results with the smallest capacity/demand (without a demand: scale factor)", COUNT),
         **SELECTION,
     },
     examples=(

@@ -9,16 +9,7 @@ import pytest
 
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, blocks, strong_motions
-from laboratory.histories import (
-    ALLOWED,
-    ENDS,
-    PANELS,
-    check_rates,
-    draw,
-    motion_cases,
-    overview,
-    spectrum_at_bodies,
-)
+from laboratory.histories import ALLOWED, ENDS, PANELS, check_rates, draw, motion_cases, overview, spectrum_at_bodies
 from laboratory.record_criterion import demand_cases, record_verdicts, verdict_counts
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration

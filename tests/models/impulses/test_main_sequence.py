@@ -8,12 +8,7 @@ from hypothesis import strategies as st
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.impulses.main_sequence import (
-    critical_impulse,
-    critical_impulse_ratio,
-    overturning_half_cycle,
-    resonance,
-)
+from rocking.impulses.main_sequence import critical_impulse, critical_impulse_ratio, overturning_half_cycle, resonance
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 from rocking.search.capacity import resonance_critical_scale
 

@@ -159,10 +159,7 @@ def test_what_the_model_cannot_resolve_is_not_called_safe():
     assert found.safe_up_to[0] == found.lower[0]
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [({"step": 1.0}, "step"), ({"main": [0.1, 0.2]}, "one")],
-)
+@pytest.mark.parametrize(("change", "message"), [({"step": 1.0}, "step"), ({"main": [0.1, 0.2]}, "one")])
 def test_what_is_out_of_range_is_refused(change, message):
     sequence = ImpulseSequence(change.pop("main", 0.2), 0.1, 0.3, 15.0)
     with pytest.raises(ValueError, match=message):

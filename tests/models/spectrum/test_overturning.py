@@ -7,12 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale, overturning_probability
-from rocking.spectrum.overturning import (
-    OverturningFactors,
-    covered,
-    covered_range,
-    slender_within,
-)
+from rocking.spectrum.overturning import OverturningFactors, covered, covered_range, slender_within
 from rocking.spectrum.probability import NO_LANE, factor_at, mean_capacity, rising
 from rocking.spectrum.slender_lanes import BEYOND, SpectrumLanes, spectrum_lanes
 from synthetic import synthetic_motion

@@ -14,13 +14,7 @@ from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
 from rockpulse.errors import ConfigError, UnitError
 from rockpulse.readers import FileSettings, folders
-from rockpulse.readers.folders import (
-    Found,
-    check_patterns,
-    find_files,
-    read_all,
-    settled,
-)
+from rockpulse.readers.folders import Found, check_patterns, find_files, read_all, settled
 from rockpulse.readers.format import ReadOptions
 from rockpulse.record.record import Record
 

@@ -21,12 +21,7 @@ import numpy as np
 
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
-from rockpulse.studies.check.code_spectra import (
-    DemandSpectrum,
-    TableEnds,
-    damping_factor,
-    displacement_of,
-)
+from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, damping_factor, displacement_of
 from rockpulse.studies.check.mechanism import SENSES, Mechanism
 
 #: Circolare 617/2009: d_u*/d_0* and d_s*/d_u* [-].

@@ -29,15 +29,8 @@ from rockpulse.studies.check.code_spectra import read_spectrum, spectrum_of
 PERIODS = 60
 #: The variables of the results.
 SELECTION: Declared = {
-    **along(
-        ("record",),
-        factor=real("scale factor of the record"),
-        event=text("earthquake of the record"),
-    ),
-    **along(
-        ("record", "period"),
-        spectrum=real("5 % damped pseudo-acceleration of the scaled record", "m s^-2"),
-    ),
+    **along(("record",), factor=real("scale factor of the record"), event=text("earthquake of the record")),
+    **along(("record", "period"), spectrum=real("5 % damped pseudo-acceleration of the scaled record", "m s^-2")),
     **along(
         ("period",),
         period=real("period of the oscillator", "s"),

@@ -186,10 +186,7 @@ def spectrum_design(
 
 
 def _shape(
-    done: Mapping[str, np.ndarray],
-    weights: np.ndarray,
-    numbers: np.ndarray,
-    quantiles: Callable[..., list[Quantiles]],
+    done: Mapping[str, np.ndarray], weights: np.ndarray, numbers: np.ndarray, quantiles: Callable[..., list[Quantiles]]
 ) -> dict[str, float]:
     """Return I_s/I, dT and the number of main impulses (medians over the records) by name, with their intervals."""
     known = (weights > 0.0) & np.isfinite(done["record_interval"])

@@ -23,12 +23,7 @@ from rockpulse.studies.check.check import check
 from rockpulse.views.report import record_tables as records
 from rockpulse.views.report.answer_tables import AnswerCells, answer_table, count_table, record_table, table_notes
 from rockpulse.views.report.report_warnings import limits, warnings
-from rockpulse.views.report.site_and_fragility import (
-    MatchedFile,
-    ReportSection,
-    describe_fragility,
-    describe_site,
-)
+from rockpulse.views.report.site_and_fragility import MatchedFile, ReportSection, describe_fragility, describe_site
 from rockpulse.views.report.verdict import (
     MOST,
     acceleration_in_words,

@@ -9,13 +9,7 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.assessment.verdict import (
-    FEWEST_AT_DEMAND,
-    MAY_OVERTURN,
-    BodyVerdict,
-    Grade,
-    worse_with_pedestal,
-)
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, worse_with_pedestal
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.views.shared.files_used import FilesUsed

@@ -34,13 +34,7 @@ from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.report.verdict import by_severity
 from rockpulse.views.shared.table import Fact
-from rockpulse.views.shared.words import (
-    in_dates,
-    own_name,
-    result_texts,
-    say,
-    writing,
-)
+from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
 
 #: Mark in the head of every report; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'

@@ -7,12 +7,7 @@ import pytest
 from record_writers import csmip_equal, pulse
 
 from rockpulse.readers import read
-from rockpulse.readers.kit.direction import (
-    direction,
-    heading_direction,
-    means_vertical,
-    on_structure,
-)
+from rockpulse.readers.kit.direction import direction, heading_direction, means_vertical, on_structure
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,7 @@ import obspy
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.kit.obspy_bridge import (
-    obspy_notes,
-    obspy_stream,
-    seed_direction,
-    utc_time,
-)
+from rockpulse.readers.kit.obspy_bridge import obspy_notes, obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import SourceFile
 
 

@@ -8,13 +8,7 @@ import pytest
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.code_spectra import spectrum_of
-from rockpulse.studies.check.codes import (
-    circolare_2009,
-    circolare_2019,
-    circolare_2019_frame,
-    en_1998,
-    floor_spectrum,
-)
+from rockpulse.studies.check.codes import circolare_2009, circolare_2019, circolare_2019_frame, en_1998, floor_spectrum
 from rockpulse.studies.check.mechanism import Mechanism, Weight
 
 G = 9.80665

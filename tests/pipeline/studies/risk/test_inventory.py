@@ -23,10 +23,7 @@ CURVE = rp.HazardCurve("pga", [0.1, 1.0, 4.0], [0.3, 0.02, 1e-3])
 
 @pytest.fixture(scope="module")
 def results():
-    config = rp.Config(
-        models=rp.ModelSettings(use=("nonlinear",)),
-        uncertainty=rp.UncertaintySettings(spectrum="all"),
-    )
+    config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=rp.UncertaintySettings(spectrum="all"))
     return rp.assess(
         [packet(n, max(n - 1, 0)) for n in range(5)], config, bodies={"wall": models.Block(width=0.4, height=3.0)}
     )

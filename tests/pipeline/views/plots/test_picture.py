@@ -14,16 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from rockpulse.views.plots import style
-from rockpulse.views.plots.style import (
-    caption,
-    legend_above,
-    one_axes,
-    panel_title,
-    picture_bytes,
-    svg,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import caption, legend_above, one_axes, panel_title, picture_bytes, svg, title, wrapped
 from rockpulse.views.shared.words import writing
 
 
