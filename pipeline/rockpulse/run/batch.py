@@ -335,7 +335,7 @@ class _Batch:
             kernel_logger.info(WAITING)
         messages = pool.result_of(kernels)
         if isinstance(messages, WorkerLost):
-            logger.warning("compiling the kernels: %s; each worker now compiles them", messages.reason)
+            self.log_and_tell(f"compiling the kernels: {messages.reason}; each worker now compiles them")
         else:
             log_again(messages)
 

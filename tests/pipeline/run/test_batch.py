@@ -174,18 +174,23 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assert started == [3, 2]
 
 
-def test_a_run_says_that_it_waits_for_the_kernels_and_goes_on_if_their_worker_is_lost(
-    folder, tmp_path, monkeypatch, caplog
+LOST = run.WorkerLost("killed by signal 9"), "compiling the kernels: killed by signal 9"
+LOGGED = (("rockpulse", logging.WARNING, "compiled again by every run"),), "compiled again by every run"
+
+
+@pytest.mark.parametrize(("outcome", "said"), [LOST, LOGGED])
+def test_a_run_waits_for_the_kernels_and_says_what_their_worker_says(
+    folder, tmp_path, monkeypatch, caplog, outcome, said
 ):
     monkeypatch.setattr(kernel_cache, "logged", set())
     monkeypatch.setattr(run, "PATIENCE", 0.0)
     monkeypatch.setattr(run.WorkerPool, "local", lambda workers: run.WorkerPool(None, lambda: workers))
     monkeypatch.setattr(run.WorkerPool, "begin", lambda *args: Future())
-    monkeypatch.setattr(run.WorkerPool, "result_of", lambda *args: run.WorkerLost("killed by signal 9"))
+    monkeypatch.setattr(run.WorkerPool, "result_of", lambda *args: outcome)
     caplog.set_level(logging.INFO, "rockpulse")
     assert assess_files(folder / "r0.AT2", CONFIG, tmp_path / "r.h5", BatchOptions(workers=2)).records == 1
     assert run.WAITING in caplog.text
-    assert "compiling the kernels: killed by signal 9" in caplog.text
+    assert said in caplog.text
 
 
 @pytest.mark.sweep

@@ -13,7 +13,7 @@ from rockpulse.config.settings import RecordSettings
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record, outline_of
 from rockpulse.run.analysis import Analysis, run
-from rockpulse.selection.twins import clock_candidates, likeness
+from rockpulse.selection.twins import clock_candidates, copy_candidates, likeness
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 NORTH, EAST = shaking(1), shaking(2)
@@ -185,3 +185,12 @@ def test_candidates_among_ten_thousand_headers_are_found_quickly():
     began = time.perf_counter()
     assert id(records[-1]) in clock_candidates(records)
     assert time.perf_counter() - began < 20.0
+
+
+def test_a_scaled_copy_in_another_file_is_found_whatever_the_order_of_the_ids():
+    samples = [shaking(seed) for seed in range(3, 9)]
+    samples.append(-0.5 * samples[2])
+    names = ("f", "b", "d", "a", "e", "c", "copy")
+    records = [Record(one, DT, name, source=name) for name, one in zip(names, samples, strict=True)]
+    found = copy_candidates(records)
+    assert {one.id: found[id(one)].id for one in records if id(one) in found} == {"d": "copy", "copy": "d"}
