@@ -319,7 +319,7 @@ class _Batch:
                     logger.error("%s", reason)
                     self.stop_at(lost[task.key])
                 else:  # the texts of the task are in memory already
-                    own = task.fingerprint if done.fingerprint == task.fingerprint else done.fingerprint
+                    own = done.fingerprint and task.fingerprint  # UNFINISHED is empty
                     self.journal.add(dataclasses.replace(done, key=task.key, fingerprint=own))
                     log_again(done.messages)
                     for step, taken in done.seconds.items():

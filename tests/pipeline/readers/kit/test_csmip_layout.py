@@ -86,7 +86,7 @@ def test_the_interval_of_a_heading(words, dt):
 )
 def test_the_rows_below_a_heading(count, words, rows, notes):
     heading = SeriesHeading(1, "acceleration", count, f"at 100 pts/sec {words}", ("own",))
-    assert heading_at(["x"], 1) is None  # at the end of a file
+    assert heading_at(["x"], 1) is None  # there is no second line
     block = equal_block("a", ["x", "heading", *rows, "behind"], heading, 2 + len(rows), "g")
     assert list(block.samples) == list(np.arange(1.0, count + 1.0))
     assert block.warnings[0] == "own"
